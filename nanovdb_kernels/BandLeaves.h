@@ -304,13 +304,6 @@ public:
   }
 
   /// The bits of numbers that are not negative have the order of the numbers.
-  TETVDB_HD static u32 bitsOf(float number) {
-    union {
-      float number;
-      u32 bits;
-    } u{number};
-    return u.bits;
-  }
 
 private:
   // A batch that is being copied to the host.

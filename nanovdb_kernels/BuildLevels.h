@@ -135,8 +135,11 @@ template <typename Backend>
 class LevelBuilder {
 public:
   /// `areFloats`: values of entries are the bits of floats, of which 0 and -0 are the same.
-  LevelBuilder(Backend& backend, const KeySpace& space, bool carries, bool areFloats, u32* errors)
-      : b_(backend), space_(space), carries_(carries), areFloats_(areFloats), errors_(errors) {}
+  /// `classes`: where not null, values are places in it, those with equal numbers the same.
+  LevelBuilder(Backend& backend, const KeySpace& space, bool carries, bool areFloats, u32* errors,
+               const u32* classes = nullptr)
+      : b_(backend), space_(space), carries_(carries), areFloats_(areFloats), errors_(errors),
+        classes_(classes) {}
 
   /// Inserts the nodes that fill gaps whose columns differ, sets edges and tree order. `top`:
   /// kTopWords words a slot. grow(slots) makes room for the payload of that many slots in all and
@@ -321,6 +324,7 @@ public:
     using Column = std::conditional_t<kLog2 == 4, u16, u32>;
     const KeySpace space = space_;
     const bool carries = carries_, areFloats = areFloats_;
+    const u32* classes = classes_;
     const int height = heightBits(space_, childLevel);
     const u64 n = children.count;
     const u64 *treeKeys = children.treeKey, *columnKeys = children.key;
@@ -360,7 +364,9 @@ public:
               orInto(&s.tile[column], u32(1) << z);
               if (values != nullptr) {
                 const u32 bits = static_cast<u32>(values[slot]);
-                const i32 value = areFloats && bits == kMinusZero ? 0 : values[slot];
+                const i32 value = classes != nullptr ? static_cast<i32>(classes[bits])
+                                  : areFloats && bits == kMinusZero ? 0
+                                                                    : values[slot];
                 minInto(&s.minValue, value);
                 maxInto(&s.maxValue, value);
               }
@@ -431,6 +437,7 @@ private:
   KeySpace space_;
   bool carries_, areFloats_;
   u32* errors_;
+  const u32* classes_;
 };
 
 } // namespace tetvdb::nano

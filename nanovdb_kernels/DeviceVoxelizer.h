@@ -240,9 +240,9 @@ public:
                 const Progress* progress = nullptr);
 
   /// The same values as grids of NanoVDB, without those that are not finite; each is brought to the
-  /// memory that `receiver` gives before the next is made. Fields have one number each. Memory on
-  /// the device, besides the arrays: three times the largest grid. Of the counts only flipped and
-  /// dropped are set. Throws as sample() does.
+  /// memory that `receiver` gives before the next is made. Memory on the device, besides the
+  /// arrays: three times the largest grid. Of the counts only flipped and dropped are set. Throws
+  /// as sample() does.
   Counts sampleGrids(const MeshView& mesh, const FieldJob& job, GridReceiver& receiver,
                      const Progress* progress = nullptr);
 

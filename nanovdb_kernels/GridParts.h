@@ -17,6 +17,9 @@ struct GridValues {
   bool narrowBand = false;
   /// Leaves and tiles have values of their own; `inside` is not used.
   bool varied = false;
+  /// Of a grid of vectors, 512 a leaf: a tile's value as bits is the number of a leaf, and its
+  /// vector the first of that leaf. The background is a float, of all components.
+  const Vector* vectors = nullptr;
 };
 
 /// The head of a grid, but for what its nodes decide. `voxelSize`, `origin`: world units, three
@@ -29,7 +32,7 @@ inline nanovdb::GridData gridHeader(Kind kind, nanovdb::GridClass gridClass,
   h.mVersion = nanovdb::Version(32, 4, 2); // the oldest with this layout, so that all read it
   checksumOf(h) = 0;
   flagsOf(h) = u32(nanovdb::GridFlags::IsBreadthFirst);
-  if (kind == Kind::Float || kind == Kind::Int32)
+  if (kind == Kind::Float || kind == Kind::Int32 || kind == Kind::Vec3f)
     flagsOf(h) |= u32(nanovdb::GridFlags::HasMinMax) | u32(nanovdb::GridFlags::HasAverage) |
                   u32(nanovdb::GridFlags::HasStdDeviation);
   h.mGridCount = 1;
@@ -77,19 +80,20 @@ struct NodeCounts {
 /// The layout of a grid of `all` nodes for the share of `own` that follow `before`.
 inline BufferLayout layoutOf(Kind kind, const NodeCounts& all, const NodeCounts& before,
                              const NodeCounts& own) {
+  const NodeSizes sizes = nodeSizes(kind);
   BufferLayout l;
   l.root = sizeof(nanovdb::GridData) + sizeof(TreeData);
-  const u64 uppers = l.root + sizeof(RootData) + all.rootTiles * sizeof(RootTile);
-  const u64 lowers = uppers + all.uppers * sizeof(UpperNode);
-  const u64 leaves = lowers + all.lowers * sizeof(LowerNode);
-  l.size = leaves + all.leaves * leafSize(kind);
-  l.upper = uppers + before.uppers * sizeof(UpperNode);
-  l.lower = lowers + before.lowers * sizeof(LowerNode);
-  l.leaf = leaves + before.leaves * leafSize(kind);
+  const u64 uppers = l.root + sizes.root + all.rootTiles * sizeof(RootTile);
+  const u64 lowers = uppers + all.uppers * sizes.upper;
+  const u64 leaves = lowers + all.lowers * sizes.lower;
+  l.size = leaves + all.leaves * sizes.leaf;
+  l.upper = uppers + before.uppers * sizes.upper;
+  l.lower = lowers + before.lowers * sizes.lower;
+  l.leaf = leaves + before.leaves * sizes.leaf;
   l.upperHere = 0;
-  l.lowerHere = own.uppers * sizeof(UpperNode);
-  l.leafHere = l.lowerHere + own.lowers * sizeof(LowerNode);
-  l.sizeHere = l.leafHere + own.leaves * leafSize(kind);
+  l.lowerHere = own.uppers * sizes.upper;
+  l.leafHere = l.lowerHere + own.lowers * sizes.lower;
+  l.sizeHere = l.leafHere + own.leaves * sizes.leaf;
   l.rootTiles = own.rootTiles;
   l.uppers = own.uppers;
   l.lowers = own.lowers;
@@ -136,11 +140,112 @@ TETVDB_HD inline i32 inOrder(u32 bits, bool isFloat) {
 
 /// The value of such bits.
 TETVDB_HD inline double numberFrom(u32 bits, bool isFloat) {
-  union {
-    u32 bits;
-    float number;
-  } u{bits};
-  return isFloat ? static_cast<double>(u.number) : static_cast<double>(static_cast<i32>(bits));
+  return isFloat ? static_cast<double>(floatFrom(bits))
+                 : static_cast<double>(static_cast<i32>(bits));
+}
+
+/// What NanoVDB's statistics are of: numbers, and the squared lengths of vectors, in floats.
+TETVDB_HD inline float squaredLength(const Vector& v) {
+  return v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+}
+TETVDB_HD inline double statisticOf(u32 bits, bool isFloat) {
+  return numberFrom(bits, isFloat);
+}
+TETVDB_HD inline double statisticOf(const Vector& v, bool) {
+  return static_cast<double>(squaredLength(v));
+}
+
+/// The background, and a tile's value, of a grid of V.
+template <typename V>
+TETVDB_HD V backgroundOf(const GridValues& values);
+template <>
+TETVDB_HD inline u32 backgroundOf<u32>(const GridValues& values) {
+  return values.background;
+}
+template <>
+TETVDB_HD inline Vector backgroundOf<Vector>(const GridValues& values) {
+  return Vector(floatFrom(values.background));
+}
+template <typename V>
+TETVDB_HD V tileValue(const GridValues& values, i32 bits);
+template <>
+TETVDB_HD inline u32 tileValue<u32>(const GridValues&, i32 bits) {
+  return static_cast<u32>(bits);
+}
+template <>
+TETVDB_HD inline Vector tileValue<Vector>(const GridValues& values, i32 bits) {
+  return values.vectors[512 * u64(static_cast<u32>(bits))];
+}
+
+/// The least and the largest value that a member of a team has seen; `place`: lower 32 bits, which
+/// decide between vectors of one length.
+template <typename V>
+struct Extremes;
+template <>
+struct Extremes<u32> {
+  i32 least = 0x7FFFFFFF, most = -0x7FFFFFFF - 1; ///< in order
+
+  TETVDB_HD void add(u32 low, u32 high, u32, bool isFloat) {
+    const i32 l = inOrder(low, isFloat), h = inOrder(high, isFloat);
+    least = l < least ? l : least;
+    most = h > most ? h : most;
+  }
+};
+template <>
+struct Extremes<Vector> {
+  u64 least = ~u64(0), most = 0; ///< squared length, place
+  Vector low = Vector(0.0F), high = Vector(0.0F);
+
+  // The bits of floats that are not negative have their order.
+  TETVDB_HD void add(const Vector& l, const Vector& h, u32 place, bool) {
+    const u64 atLeast = u64(bitsOf(squaredLength(l))) << 32 | place;
+    const u64 atMost = u64(bitsOf(squaredLength(h))) << 32 | (0xFFFFFFFFu - place);
+    if (atLeast < least) {
+      least = atLeast;
+      low = l;
+    }
+    if (atMost > most) {
+      most = atMost;
+      high = h;
+    }
+  }
+};
+
+/// Those of all members, which the team shares.
+template <typename V>
+struct TeamExtremes {
+  decltype(Extremes<V>::least) least, most;
+
+  TETVDB_HD void clear() {
+    least = Extremes<V>().least;
+    most = Extremes<V>().most;
+  }
+  TETVDB_HD void join(const Extremes<V>& own) {
+    minInto(&least, own.least);
+    maxInto(&most, own.most);
+  }
+};
+/// Called by the whole team, which has met after join(), where there are values.
+template <typename Node>
+TETVDB_HD void setExtremes(const Team& team, const TeamExtremes<u32>& all, const Extremes<u32>&,
+                           bool isFloat, Node& node) {
+  if (team.rank() != 0)
+    return;
+  node.mMinimum = static_cast<u32>(inOrder(static_cast<u32>(all.least), isFloat));
+  node.mMaximum = static_cast<u32>(inOrder(static_cast<u32>(all.most), isFloat));
+}
+template <typename Node>
+TETVDB_HD void setExtremes(const Team&, const TeamExtremes<Vector>& all,
+                           const Extremes<Vector>& own, bool, Node& node) {
+  if (own.least == all.least) // of one member alone, since places differ
+    node.mMinimum = own.low;
+  if (own.most == all.most)
+    node.mMaximum = own.high;
+}
+template <typename Node>
+TETVDB_HD void setMoments(Node& node, const Moments& m) {
+  node.mAverage = static_cast<float>(m.mean);
+  node.mStdDevi = static_cast<float>(sqrt(m.squares / m.count));
 }
 
 /// Of active values, from the least and the largest as inOrder() has them and their sums.
@@ -150,7 +255,7 @@ TETVDB_HD inline NodeValues valuesOf(i32 min, i32 max, const Moments& m, bool is
           static_cast<float>(sqrt(m.squares / m.count))};
 }
 
-template <int kLog2>
+template <int kLog2, typename V>
 struct WriteShared {
   // Upper nodes are few and their tables large.
   static constexpr int kThreads = kLog2 == 5 ? 1024 : 256, kOccupancy = kLog2 == 5 ? 32 : 16;
@@ -158,7 +263,7 @@ struct WriteShared {
   u64 child[kWords], tile[kWords];
   u32 before[kWords], spare[kWords]; // children before each word's
   i32 low[3], high[3];
-  i32 minValue, maxValue;
+  TeamExtremes<V> extremes;
   u32 tiles, low32; // low32: voxels, where they fit; 64-bit atomics in shared memory are slow
   u64 voxels;
   Moments part[kParts];
@@ -168,9 +273,10 @@ struct WriteShared {
 template <typename Shared>
 TETVDB_HD inline void clearBounds(Shared& s) {
   for (int a = 0; a < 3; ++a) {
-    s.low[a] = s.minValue = 0x7FFFFFFF;
-    s.high[a] = s.maxValue = -0x7FFFFFFF - 1;
+    s.low[a] = 0x7FFFFFFF;
+    s.high[a] = -0x7FFFFFFF - 1;
   }
+  s.extremes.clear();
 }
 
 /// The first 16 bytes of a leaf: box of the active voxels, and the flag that there are some.
@@ -208,10 +314,11 @@ struct NoShared {
   static constexpr int kThreads = 32, kOccupancy = 32;
 };
 
+template <typename V>
 struct HeadShared {
   static constexpr int kThreads = 32, kOccupancy = 4;
   i32 low[3], high[3];
-  i32 minValue, maxValue;
+  TeamExtremes<V> extremes;
   u64 voxels;
   u32 crc[kParts], crcStart;
   Moments part[kParts];

@@ -314,7 +314,7 @@ public:
                 if (!band.isActive(distance))
                   continue;
                 active |= 1u << z;
-                const i32 place = inOrder(BandLeaves<Backend>::bitsOf(value), true);
+                const i32 place = inOrder(bitsOf(value), true);
                 min = place < min ? place : min;
                 max = place > max ? place : max;
                 addMoments(part, {1, static_cast<double>(value), 0});
@@ -483,9 +483,8 @@ public:
     RootEntry* roots = b_.template alloc<RootEntry>(roots_.size());
     b_.upload(roots, roots_.data(), roots_.size() * sizeof(RootEntry));
     const float background = band_.background;
-    GridWriter<Backend> writer(
-        b_, space_, Kind::Float,
-        {BandLeaves<Backend>::bitsOf(-background), BandLeaves<Backend>::bitsOf(background), true});
+    GridWriter<Backend> writer(b_, space_, Kind::Float,
+                               {bitsOf(-background), bitsOf(background), true});
     writer.take(leaf_, lower_, upper_, roots, roots_.size());
     writer.writeInternal(buffer, layout_, {}, {}, lowerMasks_, upperMasks_);
     const double size[3] = {job_.voxelSize, job_.voxelSize, job_.voxelSize};

@@ -3,7 +3,7 @@
 // NanoVDB's nodes in the form in which the kernels write them. Nodes above leaves, and leaves of
 // floats and int32s, are written as those of a grid of uint32: the values' bits. The layout is the
 // same, and in grids of bools and masks a value is the first byte of these bits and the statistics
-// are 0.
+// are 0. Grids of vectors have nodes of their own.
 #pragma once
 
 #include "Team.h"
@@ -13,12 +13,23 @@ namespace tetvdb::nano {
 
 using Kind = nanovdb::GridType;
 
+using Vector = nanovdb::Vec3f;
+
+/// The nodes of grids whose values are V: u32, which are bits, or Vector.
+template <typename V>
+struct NodesOf {
+  using Root = typename nanovdb::NanoRoot<V>::DataType;
+  using Upper = typename nanovdb::NanoUpper<V>::DataType;
+  using Lower = typename nanovdb::NanoLower<V>::DataType;
+  using Leaf = typename nanovdb::NanoLeaf<V>::DataType;
+};
+
 using TreeData = nanovdb::NanoTree<u32>::DataType;
-using RootData = nanovdb::NanoRoot<u32>::DataType;
+using RootData = NodesOf<u32>::Root;
 using RootTile = RootData::Tile;
-using UpperNode = nanovdb::NanoUpper<u32>::DataType;
-using LowerNode = nanovdb::NanoLower<u32>::DataType;
-using ValueLeaf = nanovdb::NanoLeaf<u32>::DataType;
+using UpperNode = NodesOf<u32>::Upper;
+using LowerNode = NodesOf<u32>::Lower;
+using ValueLeaf = NodesOf<u32>::Leaf;
 using BoolLeaf = nanovdb::NanoLeaf<bool>::DataType;
 using MaskLeaf = nanovdb::NanoLeaf<nanovdb::ValueMask>::DataType; ///< the beginning of all leaves
 
@@ -35,10 +46,25 @@ static_assert(sizeof(nanovdb::NanoLeaf<float>) == sizeof(ValueLeaf) &&
                   sizeof(nanovdb::NanoLeaf<i32>) == sizeof(ValueLeaf),
               "leaves of four-byte values are the same");
 
-TETVDB_HD constexpr u64 leafSize(Kind kind) {
-  return kind == Kind::Mask      ? sizeof(MaskLeaf)
-         : kind == Kind::Boolean ? sizeof(BoolLeaf)
-                                 : sizeof(ValueLeaf);
+static_assert(sizeof(NodesOf<Vector>::Root::Tile) == sizeof(RootTile) &&
+                  sizeof(nanovdb::NanoTree<Vector>) == sizeof(TreeData),
+              "root tiles of vectors are as large as others");
+
+/// In bytes.
+struct NodeSizes {
+  u64 root, upper, lower, leaf;
+};
+
+template <typename V>
+TETVDB_HD constexpr NodeSizes sizesOf(u64 leaf) {
+  return {sizeof(typename NodesOf<V>::Root), sizeof(typename NodesOf<V>::Upper),
+          sizeof(typename NodesOf<V>::Lower), leaf};
+}
+TETVDB_HD constexpr NodeSizes nodeSizes(Kind kind) {
+  return kind == Kind::Vec3f     ? sizesOf<Vector>(sizeof(NodesOf<Vector>::Leaf))
+         : kind == Kind::Mask    ? sizesOf<u32>(sizeof(MaskLeaf))
+         : kind == Kind::Boolean ? sizesOf<u32>(sizeof(BoolLeaf))
+                                 : sizesOf<u32>(sizeof(ValueLeaf));
 }
 
 /// A mask's words of 64 bits.

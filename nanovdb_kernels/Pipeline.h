@@ -108,16 +108,16 @@ public:
     checkCount(leaves_.count);
   }
   /// After buildOwners(): the numbers of nodes of a grid of these leaves, `table` and `summaries`
-  /// by slot, for write().
+  /// by slot, for write(). `classes`: see LevelBuilder.
   NodeCounts buildValues(Kind kind, const GridValues& values, const Entries& leaves, u64* masks,
-                         i32* table, LeafSummary* summaries) {
+                         const u32* table, const LeafSummary* summaries, const u32* classes) {
     kind_ = kind;
     writer_ = std::make_unique<GridWriter<Backend>>(b_, space_, kind, values);
     leaves_ = leaves;
     masks_.mask = masks;
     table_ = table;
     summaries_ = summaries;
-    return buildLevels(true);
+    return buildLevels(true, classes);
   }
   const Entries& leaves() const { return leaves_; }
   const LatticePoint* points() const { return points_; }
@@ -130,7 +130,7 @@ public:
     }
   }
   const u64* ownerMasks() const { return masks_.mask; } ///< by leaf
-  const i32* ownerTable() const { return table_; }      ///< 512 a leaf, -1: none
+  const u32* ownerTable() const { return table_; }      ///< 512 a leaf, kNoTet: none
 
   GridWriter<Backend>& writer() { return *writer_; }
   const KeySpace& space() const { return space_; }
@@ -289,7 +289,7 @@ public:
 
   void rasterizeOwners() {
     TetRasterizer<Backend> tets(b_, space_, points_, mesh_.tets, mesh_.tetCount, signs_);
-    leaves_ = tets.runOwners(mesh_.values, -1, shareByTets(), masks_, table_, summaries_);
+    leaves_ = tets.runOwners(mesh_.values, kNoTet, shareByTets(), masks_, table_, summaries_);
   }
 
   // What fills the holes of the triangles, where that is asked for.
@@ -330,15 +330,15 @@ public:
       counts_.boundaryFaces = faceCount;
       leaves_ = FaceRasterizer<Backend>(b_, space_, job_.rule)
                     .run(points_, faces, faceCount, holes(), shareByFaces(faces, faceCount),
-                         leafSize(kind_), masks_);
+                         nodeSizes(kind_).leaf, masks_);
     }
     return buildLevels(owners);
   }
 
   // The nodes above leaves_; where values vary there are entries of all that is inside.
-  NodeCounts buildLevels(bool varied) {
+  NodeCounts buildLevels(bool varied, const u32* classes = nullptr) {
     b_.stage("levels");
-    LevelBuilder<Backend> levels(b_, space_, !varied, kind_ == Kind::Float, errors_);
+    LevelBuilder<Backend> levels(b_, space_, !varied, kind_ == Kind::Float, errors_, classes);
     const GrowLeaves<Backend> growLeaves{b_, masks_, leaves_.slots};
     levels.template closeGaps<1>(0, leaves_, masks_.top, growLeaves);
     checkCount(leaves_.count);
@@ -601,8 +601,8 @@ private:
   LeafMasks masks_;
   NodeMasks<4> lowerMasks_;
   NodeMasks<5> upperMasks_;
-  i32* table_ = nullptr;
-  LeafSummary* summaries_ = nullptr;
+  const u32* table_ = nullptr; // values' bits
+  const LeafSummary* summaries_ = nullptr;
 };
 
 } // namespace tetvdb::nano

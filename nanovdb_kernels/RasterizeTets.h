@@ -12,7 +12,7 @@ constexpr u32 kNoTet = 0xFFFFFFFFu;
 
 /// Sums over the values of a leaf's active voxels.
 struct LeafSummary {
-  i32 min, max;
+  i32 min, max;                ///< in order; of vectors: their voxels
   double count, mean, squares; ///< squares: of the distances from the mean
 };
 
@@ -46,14 +46,16 @@ public:
 
   /// The value (of the lowest tet that owns the voxel: `values` by tet, or the tet's number) of
   /// every voxel, 512 an entry to `table`, and their sums.
-  Entries runOwners(const i32* values, i32 background, const RootShare& share, LeafMasks& leaves,
-                    i32*& table, LeafSummary*& summaries) {
+  Entries runOwners(const i32* values, u32 background, const RootShare& share, LeafMasks& leaves,
+                    const u32*& valueTable, const LeafSummary*& leafSummaries) {
     b_.stage("pairs");
     makePairs(share);
     Entries e = leafEntries();
     leaves.mask = b_.template alloc<u64>(8 * e.count);
-    table = b_.template alloc<i32>(512 * e.count);
-    summaries = b_.template alloc<LeafSummary>(e.count);
+    u32* const table = b_.template alloc<u32>(512 * e.count);
+    auto* const summaries = b_.template alloc<LeafSummary>(e.count);
+    valueTable = table;
+    leafSummaries = summaries;
     e.value = b_.template alloc<i32>(e.count);
     b_.stage("owners");
     rasterizeOwners(e, values, background, leaves.mask, table, summaries);
@@ -190,7 +192,7 @@ public:
       own(z * kOwnerRow + x * 8 + y);
   }
 
-  void rasterizeOwners(const Entries& e, const i32* values, i32 background, u64* masks, i32* table,
+  void rasterizeOwners(const Entries& e, const i32* values, u32 background, u64* masks, u32* table,
                        LeafSummary* summaries) {
     const KeySpace space = space_;
     const LatticePoint* points = points_;
@@ -258,13 +260,13 @@ public:
           i32 low = 0x7FFFFFFF, high = -0x7FFFFFFF - 1;
           for (int i = team.rank(); i < 512; i += team.size()) {
             const u32 t = s.owner[(i & 7) * kOwnerRow + (i >> 3)];
-            i32 value = background;
+            i32 value = static_cast<i32>(background);
             if (t != kNoTet) {
               value = valueOf(t);
               low = value < low ? value : low;
               high = value > high ? value : high;
             }
-            table[entry * 512 + static_cast<u64>(i)] = value;
+            table[entry * 512 + static_cast<u64>(i)] = static_cast<u32>(value);
           }
           if (low <= high) {
             minInto(&s.minValue, low);

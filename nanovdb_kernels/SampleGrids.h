@@ -8,19 +8,63 @@
 
 namespace tetvdb::nano {
 
+template <typename V>
 struct ValueShared {
   static constexpr int kThreads = 128, kOccupancy = 12;
-  u32 value[512];
+  V value[512];
   u64 active[8], leftOut[8];
-  i32 minValue, maxValue;
+  TeamExtremes<V> extremes;
   u32 differ;
   double sum[kParts], mean;
 };
 
+// A value of V from its bits, and what is asked of values.
+TETVDB_HD inline void takeBits(const u32 (&bits)[3], u32& value) {
+  value = bits[0];
+}
+TETVDB_HD inline void takeBits(const u32 (&bits)[3], Vector& value) {
+  value = Vector(floatFrom(bits[0]), floatFrom(bits[1]), floatFrom(bits[2]));
+}
+TETVDB_HD inline bool isFinite(float number) { // the exponent of infinities and of NaN
+  return (bitsOf(number) & 0x7F800000u) != 0x7F800000u;
+}
+TETVDB_HD inline bool isFinite(u32 bits, bool isFloat) {
+  return !isFloat || isFinite(floatFrom(bits));
+}
+TETVDB_HD inline bool isFinite(const Vector& v, bool) {
+  return isFinite(v[0]) && isFinite(v[1]) && isFinite(v[2]);
+}
+TETVDB_HD inline bool isSame(u32 a, u32 b, bool isFloat) {
+  return a == b || (isFloat && ((a | b) & ~kMinusZero) == 0);
+}
+TETVDB_HD inline bool isSame(const Vector& a, const Vector& b, bool) {
+  return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+// As LeafSummary has them.
+TETVDB_HD inline void setExtremes(const TeamExtremes<u32>& all, LeafSummary& summary) {
+  summary.min = all.least;
+  summary.max = all.most;
+}
+TETVDB_HD inline void setExtremes(const TeamExtremes<Vector>& all, LeafSummary& summary) {
+  summary.min = static_cast<i32>(static_cast<u32>(all.least));
+  summary.max = static_cast<i32>(0xFFFFFFFFu - static_cast<u32>(all.most));
+}
+// The value of a full leaf, as GridValues has it.
+TETVDB_HD inline i32 entryValue(u32 first, u64) {
+  return static_cast<i32>(first);
+}
+TETVDB_HD inline i32 entryValue(const Vector&, u64 leaf) {
+  return static_cast<i32>(static_cast<u32>(leaf));
+}
+// Bits that are the same for values that are.
+TETVDB_HD inline u32 plainBits(float number) {
+  return number == 0.0F ? 0u : bitsOf(number);
+}
+
 template <typename Backend>
 class GridSampler {
 public:
-  /// `owners` have been built, for `mesh`; `fields` are those of `job`, of one number each.
+  /// `owners` have been built, for `mesh`; `fields` are those of `job`.
   GridSampler(Backend& backend, Pipeline<Backend>& owners, const MeshView& mesh,
               const FieldJob& job, const SourceFields& fields)
       : b_(backend), pipeline_(owners), tets_(mesh.tets), job_(job), fields_(fields),
@@ -30,11 +74,16 @@ public:
   /// take(counts, buffer) for every field; the buffer is the backend's, until the return.
   template <typename Take>
   void run(const Take& take) {
+    u64 width = 1;
+    for (const FieldView& field : job_.fields)
+      width = field.rule.width() > 1 ? 3 : width;
+    b_.require(leaves_.count * (64 + sizeof(LeafSummary) + 2 * 512 * sizeof(u32) * width));
     masks_ = b_.template alloc<u64>(8 * leaves_.count);
-    table_ = b_.template alloc<i32>(512 * leaves_.count);
+    table_ = b_.template alloc<u32>(512 * width * leaves_.count);
     summaries_ = b_.template alloc<LeafSummary>(leaves_.count);
     leaves_.state = b_.template alloc<u8>(leaves_.count);
     leaves_.value = b_.template alloc<i32>(leaves_.count);
+    classes_ = b_.template alloc<u32>(width > 1 ? leaves_.count : 0);
     leftOut_ = b_.template alloc<u64>(1);
     for (std::size_t i = 0; i < job_.fields.size(); ++i)
       make(i, take);
@@ -46,78 +95,79 @@ public:
   template <typename Take>
   void make(std::size_t i, const Take& take) {
     const FieldView& field = job_.fields[i];
-    if (field.rule.width() != 1)
-      throw std::logic_error("grids of vectors are not made on the device");
-    const bool isFloat = field.rule.kind != FieldKind::Integer;
-    const Kind kind = isFloat ? Kind::Float : Kind::Int32;
-    const GridValues values{0, bitsOf(field.background, isFloat), false, true};
+    const FieldKind rule = field.rule.kind;
+    const Kind kind = rule == FieldKind::Vector    ? Kind::Vec3f
+                      : rule == FieldKind::Integer ? Kind::Int32
+                                                   : Kind::Float;
+    GridValues values{0,
+                      kind == Kind::Int32 ? static_cast<u32>(static_cast<i32>(field.background))
+                                          : bitsOf(static_cast<float>(field.background)),
+                      false, true};
+    const u32* classes = nullptr;
     b_.stage("values");
-    evaluate(i, isFloat, values.background);
+    if (kind == Kind::Vec3f) {
+      values.vectors = reinterpret_cast<const Vector*>(table_);
+      evaluate<Vector>(i, kind, values);
+      b_.stage("classes");
+      classify(values.vectors);
+      classes = classes_;
+    } else {
+      evaluate<u32>(i, kind, values);
+    }
     const NodeCounts nodes =
-        pipeline_.buildValues(kind, values, leaves_, masks_, table_, summaries_);
+        pipeline_.buildValues(kind, values, leaves_, masks_, table_, summaries_, classes);
     const BufferLayout layout = layoutOf(kind, nodes);
     if (layout.size > bufferSize_) { // the next grid may have more leaves
-      bufferSize_ = layout.size + (leaves_.count - nodes.leaves) * leafSize(kind);
+      bufferSize_ = layout.size + (leaves_.count - nodes.leaves) * nodeSizes(kind).leaf;
       buffer_ = b_.output(bufferSize_);
     }
     pipeline_.write(buffer_, layout);
-    pipeline_.writer().writeHead(
-        buffer_, layout,
-        gridHeader(kind, isFloat ? nanovdb::GridClass::FogVolume : nanovdb::GridClass::Unknown,
-                   field.name, job_.voxelSize, job_.origin),
-        pipeline_.writer().roots());
+    pipeline_.writer().writeHead(buffer_, layout,
+                                 gridHeader(kind,
+                                            kind == Kind::Float ? nanovdb::GridClass::FogVolume
+                                                                : nanovdb::GridClass::Unknown,
+                                            field.name, job_.voxelSize, job_.origin),
+                                 pipeline_.writer().roots());
     GridCounts counts;
     counts.bytes = layout.size;
     counts.leftOut = b_.read(static_cast<const u64*>(leftOut_));
     take(counts, static_cast<const u8*>(buffer_));
   }
 
-  static u32 bitsOf(double value, bool isFloat) {
-    union {
-      float number;
-      u32 bits;
-    } u{static_cast<float>(value)};
-    return isFloat ? u.bits : static_cast<u32>(static_cast<i32>(value));
-  }
-
-  // The exponent of infinities and of what is no number.
-  TETVDB_HD static bool isFinite(u32 bits) { return (bits & 0x7F800000u) != 0x7F800000u; }
-
-  TETVDB_HD static bool isSame(u32 a, u32 b, bool isFloat) {
-    return a == b || (isFloat && ((a | b) & ~kMinusZero) == 0);
-  }
-
   // Values, masks, states and sums of the leaves.
-  void evaluate(std::size_t number, bool isFloat, u32 background) {
+  template <typename V>
+  void evaluate(std::size_t number, Kind kind, const GridValues& gridValues) {
+    using Shared = ValueShared<V>;
+    const bool isFloat = kind != Kind::Int32;
     const SourceField* field = fields_.fields + number;
     const u32* cellOfTet = fields_.cellOfTet;
     const KeySpace space = pipeline_.space();
     const LatticePoint* points = pipeline_.points();
     const u32* tets = tets_;
-    const i32* owners = ownerTable_;
+    const u32* owners = ownerTable_;
+    const V background = backgroundOf<V>(gridValues);
     const u64 *ownerMasks = ownerMasks_, *keys = leaves_.treeKey;
     u64 *masks = masks_, *leftOut = leftOut_;
-    i32 *table = table_, *leafValues = leaves_.value;
+    V* const table = reinterpret_cast<V*>(table_);
+    i32* leafValues = leaves_.value;
     u8* states = leaves_.state;
     LeafSummary* summaries = summaries_;
     b_.zero(leftOut_, sizeof *leftOut_);
-    b_.template forTeams<ValueShared>(
-        leaves_.count, ValueShared::kThreads,
-        TETVDB_KERNEL(const Team& team, u64 leaf, ValueShared& s) {
+    b_.template forTeams<Shared>(
+        leaves_.count, Shared::kThreads, TETVDB_KERNEL(const Team& team, u64 leaf, Shared& s) {
           for (int w = team.rank(); w < 8; w += team.size())
             s.leftOut[w] = 0;
           if (team.rank() == 0) {
-            s.minValue = 0x7FFFFFFF;
-            s.maxValue = -0x7FFFFFFF - 1;
+            s.extremes.clear();
             s.differ = 0;
           }
           team.sync();
           i32 origin[3];
           originOf(space, 0, placeOfTreeKey(space, 0, keys[leaf]), origin);
-          i32 low = 0x7FFFFFFF, high = -0x7FFFFFFF - 1;
+          Extremes<V> extremes;
           for (int n = team.rank(); n < 512; n += team.size()) {
-            const u32 tet = static_cast<u32>(owners[512 * leaf + static_cast<u64>(n)]);
-            u32 bits = background;
+            const u32 tet = owners[512 * leaf + static_cast<u64>(n)];
+            V value = background;
             if (tet != kNoTet) {
               const u32* vertices = tets + 4 * u64(tet);
               std::array<u8, 4> places{};
@@ -127,23 +177,20 @@ public:
                 places = weights.corners();
                 w = weights.at(origin[0] + (n >> 6), origin[1] + (n >> 3 & 7), origin[2] + (n & 7));
               }
-              LeafSampler<Backend>::evaluate(*field, cellOfTet, tet, vertices, places, w, &bits);
-              if (isFloat && !isFinite(bits)) {
-                bits = background;
-                orInto(&s.leftOut[n >> 6], u64(1) << (n & 63));
+              u32 bits[3];
+              LeafSampler<Backend>::evaluate(*field, cellOfTet, tet, vertices, places, w, bits);
+              takeBits(bits, value);
+              if (isFinite(value, isFloat)) {
+                extremes.add(value, value, static_cast<u32>(n), isFloat);
               } else {
-                const i32 place = inOrder(bits, isFloat);
-                low = place < low ? place : low;
-                high = place > high ? place : high;
+                value = background;
+                orInto(&s.leftOut[n >> 6], u64(1) << (n & 63));
               }
             }
-            s.value[n] = bits;
-            table[512 * leaf + static_cast<u64>(n)] = static_cast<i32>(bits);
+            s.value[n] = value;
+            table[512 * leaf + static_cast<u64>(n)] = value;
           }
-          if (low <= high) {
-            minInto(&s.minValue, low);
-            maxInto(&s.maxValue, high);
-          }
+          s.extremes.join(extremes);
           team.sync();
           for (int w = team.rank(); w < 8; w += team.size()) {
             s.active[w] = ownerMasks[8 * leaf + static_cast<u64>(w)] & ~s.leftOut[w];
@@ -159,7 +206,7 @@ public:
           const auto forPart = [&](int p, const auto& f) {
             for (int n = p * kOfPart; n < (p + 1) * kOfPart; ++n)
               if ((s.active[n >> 6] >> (n & 63) & 1) != 0)
-                f(numberFrom(s.value[n], isFloat));
+                f(statisticOf(s.value[n], isFloat));
           };
           for (int p = team.rank(); p < kParts; p += team.size()) {
             double sum = 0;
@@ -185,14 +232,55 @@ public:
             double squares = 0;
             for (int p = 0; p < kParts; ++p)
               squares += s.sum[p];
-            summaries[leaf] = {s.minValue, s.maxValue, static_cast<double>(count), s.mean, squares};
+            LeafSummary& summary = summaries[leaf];
+            summary = {0, 0, static_cast<double>(count), s.mean, squares};
+            setExtremes(s.extremes, summary);
             states[leaf] = count == 0 ? kEmpty : count == 512 && s.differ == 0 ? kFull : kNode;
-            leafValues[leaf] = static_cast<i32>(s.value[0]);
+            leafValues[leaf] = entryValue(s.value[0], leaf);
             if (const u64 left = countVoxels(s.leftOut))
               addTo(leftOut, left);
           }
           team.sync();
         });
+  }
+
+  // Gives full leaves of the same vector the same number: by its first two numbers, then by the
+  // group of these and the third.
+  void classify(const Vector* vectors) {
+    const u64 n = leaves_.count;
+    const u8* states = leaves_.state;
+    u32* full = b_.template temp<u32>(n + 1);
+    u64* rank = b_.template temp<u64>(n + 1);
+    b_.forEach(
+        n + 1, TETVDB_KERNEL(u64 i) { full[i] = i < n && states[i] == kFull; });
+    b_.scan(full, rank, n);
+    const u64 count = b_.read(rank + n);
+    u64* keys = b_.template temp<u64>(count);
+    u32* leaves = b_.template temp<u32>(count);
+    b_.forEach(
+        n, TETVDB_KERNEL(u64 i) {
+          if (full[i] == 0)
+            return;
+          const Vector v = vectors[512 * i];
+          keys[rank[i]] = u64(plainBits(v[0])) << 32 | plainBits(v[1]);
+          leaves[rank[i]] = static_cast<u32>(i);
+        });
+    b_.sort(keys, leaves, count, 64);
+    const Groups first = groupsOf(b_, keys, count, 0);
+    u64* more = b_.template temp<u64>(count);
+    b_.forEach(
+        count, TETVDB_KERNEL(u64 i) {
+          more[i] =
+              (first.rank[i] + first.head[i]) << 32 | plainBits(vectors[512 * u64(leaves[i])][2]);
+        });
+    b_.sort(more, leaves, count, 64);
+    const Groups second = groupsOf(b_, more, count, 0);
+    u32* classes = classes_;
+    b_.forEach(
+        count, TETVDB_KERNEL(u64 i) {
+          classes[leaves[i]] = static_cast<u32>(second.rank[i] + second.head[i]);
+        });
+    b_.dropTemporaries();
   }
 
 private:
@@ -203,9 +291,10 @@ private:
   SourceFields fields_;
   Entries leaves_; // with the states and values of the field
   const u64* ownerMasks_;
-  const i32* ownerTable_;
+  const u32* ownerTable_;
   u64* masks_ = nullptr;
-  i32* table_ = nullptr;
+  u32* table_ = nullptr; // values' bits, of vectors three
+  u32* classes_ = nullptr;
   LeafSummary* summaries_ = nullptr;
   u64* leftOut_ = nullptr;
   u8* buffer_ = nullptr;

@@ -159,13 +159,8 @@ public:
       out[0] = static_cast<u32>(static_cast<i32>(value[0]));
       return;
     }
-    for (int k = 0; k < rule.width(); ++k) {
-      union {
-        float number;
-        u32 bits;
-      } u{static_cast<float>(value[k])};
-      out[k] = u.bits;
-    }
+    for (int k = 0; k < rule.width(); ++k)
+      out[k] = bitsOf(static_cast<float>(value[k]));
   }
 
   // Batch `i`: [masks][field 0's values][field 1's]... in the half of its turn.
@@ -175,7 +170,7 @@ public:
     const KeySpace space = owners_.space();
     const LatticePoint* points = owners_.points();
     const u32* tets = tets_;
-    const i32* table = owners_.ownerTable() + 512 * first;
+    const u32* table = owners_.ownerTable() + 512 * first;
     const u64* masks = owners_.ownerMasks() + 8 * first;
     const u64* keys = owners_.leaves().treeKey + first;
     u8* out = halves_[i % 2];
@@ -187,7 +182,7 @@ public:
           i32 origin[3];
           originOf(space, 0, placeOfTreeKey(space, 0, keys[leaf]), origin);
           for (int n = team.rank(); n < 512; n += team.size()) {
-            const u32 tet = static_cast<u32>(table[512 * leaf + static_cast<u64>(n)]);
+            const u32 tet = table[512 * leaf + static_cast<u64>(n)];
             const u32* vertices = tets + 4 * u64(tet);
             std::array<u8, 4> places{};
             std::array<double, 3> w{};

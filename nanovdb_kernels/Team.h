@@ -180,6 +180,22 @@ TETVDB_HD inline float multiplyAdd(float a, float b, float c) {
 #endif
 }
 
+/// A float from its bits, and the bits.
+TETVDB_HD inline float floatFrom(u32 bits) {
+  union {
+    u32 bits;
+    float number;
+  } u{bits};
+  return u.number;
+}
+TETVDB_HD inline u32 bitsOf(float number) {
+  union {
+    float number;
+    u32 bits;
+  } u{number};
+  return u.bits;
+}
+
 TETVDB_HD inline int bitCount(u64 v) {
 #if defined(__CUDA_ARCH__)
   return __popcll(static_cast<long long>(v));

@@ -58,15 +58,17 @@ public:
 
   /// Writes the nodes. `buffer`: the share's memory, of l.sizeHere bytes.
   void writeTree(u8* buffer, const BufferLayout& l, const Entries& leaves,
-                 const LeafMasks& leafMasks, const i32* table, const LeafSummary* summaries,
+                 const LeafMasks& leafMasks, const u32* table, const LeafSummary* summaries,
                  const Entries& lowers, const NodeMasks<4>& lowerMasks,
                  const NodeMasks<5>& upperMasks) {
     if (kind_ == Kind::Mask)
       writeFlatLeaves<sizeof(MaskLeaf) / 8>(buffer, l, leafMasks.mask);
     else if (kind_ == Kind::Boolean)
       writeFlatLeaves<sizeof(BoolLeaf) / 8>(buffer, l, leafMasks.mask);
+    else if (kind_ == Kind::Vec3f)
+      writeValueLeaves<Vector>(buffer, l, leafMasks.mask, table, summaries);
     else
-      writeValueLeaves(buffer, l, leafMasks.mask, table, summaries);
+      writeValueLeaves<u32>(buffer, l, leafMasks.mask, table, summaries);
     writeInternal(buffer, l, leaves, lowers, lowerMasks, upperMasks);
   }
 
@@ -77,8 +79,23 @@ public:
                      const NodeMasks<5>& upperMasks) {
     totals_ = b_.template alloc<u64>(4);
     b_.zero(totals_, 4 * sizeof(u64));
-    writeNodes<4>(buffer, l, lowerMasks, leaves, lower_, leaf_);
-    writeNodes<5>(buffer, l, upperMasks, lowers, upper_, lower_);
+    if (kind_ == Kind::Vec3f) {
+      writeNodes<4, Vector>(buffer, l, lowerMasks, leaves, lower_, leaf_);
+      writeNodes<5, Vector>(buffer, l, upperMasks, lowers, upper_, lower_);
+    } else {
+      writeNodes<4, u32>(buffer, l, lowerMasks, leaves, lower_, leaf_);
+      writeNodes<5, u32>(buffer, l, upperMasks, lowers, upper_, lower_);
+    }
+  }
+
+  /// Writes the head of the grid, which precedes the nodes. `buffer`: the whole grid's; upper nodes
+  /// are read there.
+  void writeHead(u8* buffer, const BufferLayout& l, const nanovdb::GridData& header,
+                 const RootParts& parts) {
+    if (kind_ == Kind::Vec3f)
+      writeHeadOf<Vector>(buffer, l, header, parts);
+    else
+      writeHeadOf<u32>(buffer, l, header, parts);
   }
 
   /// The input of writeHead(), in the backend's memory.
@@ -178,9 +195,28 @@ public:
         });
   }
 
-  // Leaves of a float or int grid: a warp a leaf.
-  void writeValueLeaves(u8* buffer, const BufferLayout& l, const u64* masks, const i32* table,
+  // What a leaf says of its values.
+  TETVDB_HD static void summarize(const LeafSummary& sum, const u32*, bool isFloat,
+                                  ValueLeaf& node) {
+    setValues(node, valuesOf(sum.min, sum.max, {sum.count, sum.mean, sum.squares}, isFloat));
+  }
+  TETVDB_HD static void summarize(const LeafSummary& sum, const Vector* values, bool,
+                                  NodesOf<Vector>::Leaf& node) {
+    node.mMinimum = values[sum.min];
+    node.mMaximum = values[sum.max];
+    setMoments(node, {sum.count, sum.mean, sum.squares});
+  }
+  // Where all are the same.
+  TETVDB_HD static void summarize(const GridValues& values, ValueLeaf& node) {
+    setValues(node, {values.inside, values.inside, floatFrom(values.inside), 0});
+  }
+  TETVDB_HD static void summarize(const GridValues&, NodesOf<Vector>::Leaf&) {}
+
+  // Leaves of values: a warp a leaf. Without a table, all active values are the same.
+  template <typename V>
+  void writeValueLeaves(u8* buffer, const BufferLayout& l, const u64* masks, const u32* table,
                         const LeafSummary* summaries) {
+    using Leaf = typename NodesOf<V>::Leaf;
     const KeySpace space = space_;
     const GridValues values = values_;
     const bool isFloat = kind_ == Kind::Float;
@@ -188,33 +224,36 @@ public:
     const u64* keys = leaf_.key;
     u64* voxels = leaf_.voxels;
     Moments* moments = leaf_.moments;
-    auto* out = reinterpret_cast<ValueLeaf*>(buffer + l.leafHere);
+    const V* all = reinterpret_cast<const V*>(table);
+    auto* out = reinterpret_cast<Leaf*>(buffer + l.leafHere);
     b_.template forTeams<NoShared>(
         l.leaves, 32, TETVDB_KERNEL(const Team& team, u64 leaf, NoShared&) {
           const u64 slot = nodeSlot[leaf];
           const u64* mask = masks + 8 * slot;
-          ValueLeaf& node = out[leaf];
+          Leaf& node = out[leaf];
           u64* head = reinterpret_cast<u64*>(&node);
           for (int w = team.rank(); w < 10; w += team.size())
             head[w] = w < 2 ? headWord(space, keys[leaf], mask, static_cast<u32>(w)) : mask[w - 2];
           if (team.rank() == 0) {
             voxels[leaf] = countVoxels(mask);
-            if (table == nullptr) {
-              union {
-                u32 bits;
-                float value;
-              } u{values.inside};
-              setValues(node, {values.inside, values.inside, u.value, 0});
+            // Between the mask and the values.
+            u64* const from = head + 10;
+            memset(from, 0,
+                   static_cast<u64>(reinterpret_cast<u8*>(node.mValues) -
+                                    reinterpret_cast<u8*>(from)));
+            if (all == nullptr) {
+              summarize(values, node);
             } else {
               const LeafSummary sum = summaries[slot];
               moments[leaf] = {sum.count, sum.mean, sum.squares};
-              setValues(node, valuesOf(sum.min, sum.max, moments[leaf], isFloat));
+              summarize(sum, all + 512 * slot, isFloat, node);
             }
           }
           u64* to = reinterpret_cast<u64*>(node.mValues);
-          if (table != nullptr) {
-            const u64* from = reinterpret_cast<const u64*>(table + 512 * slot);
-            for (int w = team.rank(); w < 256; w += team.size())
+          if (all != nullptr) {
+            const u64* from = reinterpret_cast<const u64*>(all + 512 * slot);
+            for (u32 w = static_cast<u32>(team.rank()); w < sizeof(V) * 64;
+                 w += static_cast<u32>(team.size()))
               to[w] = from[w];
           } else {
             for (int w = team.rank(); w < 256; w += team.size()) {
@@ -226,19 +265,47 @@ public:
         });
   }
 
-  template <int kLog2>
+  // An entry of a node's table, all of its bytes.
+  template <typename Entry>
+  TETVDB_HD static void setEntry(Entry& entry, u32 value) {
+    entry.child = static_cast<i64>(u64(value));
+  }
+  template <typename Entry>
+  TETVDB_HD static void setEntry(Entry& entry, const Vector& value) {
+    memset(static_cast<void*>(&entry), 0, sizeof entry);
+    entry.value = value;
+  }
+  template <typename V, typename Entry>
+  TETVDB_HD static void setChild(Entry& entry, u64 distance) {
+    if (sizeof entry > sizeof(u64))
+      memset(static_cast<void*>(&entry), 0, sizeof entry);
+    entry.child = static_cast<i64>(distance);
+  }
+  TETVDB_HD static void setInside(u32& value, const GridValues& values) { value = values.inside; }
+  TETVDB_HD static void setInside(Vector&, const GridValues&) {}
+  // The statistics of a node whose active values are all the same.
+  template <typename Node>
+  TETVDB_HD static void setUniform(Node& node, Kind kind, const GridValues& values, const u32*) {
+    if (kind == Kind::Float)
+      setValues(node, {values.inside, values.inside, floatFrom(values.inside), 0});
+  }
+  template <typename Node>
+  TETVDB_HD static void setUniform(Node&, Kind, const GridValues&, const Vector*) {}
+
+  template <int kLog2, typename V>
   void writeNodes(u8* buffer, const BufferLayout& l, const NodeMasks<kLog2>& masks,
                   const Entries& children, LevelNodes& nodes, const LevelNodes& below) {
     constexpr int level = kLog2 == 4 ? 1 : 2;
-    using Node = std::conditional_t<kLog2 == 4, LowerNode, UpperNode>;
+    using Lower = typename NodesOf<V>::Lower;
+    using Node = std::conditional_t<kLog2 == 4, Lower, typename NodesOf<V>::Upper>;
     constexpr int kChildren = 1 << (3 * kLog2);
-    using Shared = WriteShared<kLog2>;
+    using Shared = WriteShared<kLog2, V>;
     constexpr int kWords = Shared::kWords;
     const u64 count = level == 1 ? l.lowers : l.uppers;
     const u64 at = level == 1 ? l.lower : l.upper, childAt = level == 1 ? l.leaf : l.lower;
     u8* const here = buffer + (level == 1 ? l.lowerHere : l.upperHere);
     const u8* const childrenHere = buffer + (level == 1 ? l.leafHere : l.lowerHere);
-    const u64 childSize = level == 1 ? leafSize(kind_) : sizeof(LowerNode);
+    const u64 childSize = level == 1 ? nodeSizes(kind_).leaf : sizeof(Lower);
     const int childSide = level == 1 ? 8 : 128;
     const u64 *childMask = masks.child, *tileMask = masks.tile, *begin = masks.begin;
     const u64 made = masks.made;
@@ -283,13 +350,16 @@ public:
           const u64 toChildren = childAt - (at + number * sizeof(Node));
           for (int i = team.rank(); i < kChildren; i += team.size()) {
             const u64 bit = u64(1) << (i & 63), child = s.child[i >> 6];
-            u64 entry = (s.tile[i >> 6] & bit) != 0 ? values.inside : values.background;
             if ((child & bit) != 0) {
               const u64 index =
                   firstChild + s.before[i >> 6] + static_cast<u64>(bitCount(child & (bit - 1)));
-              entry = toChildren + index * childSize;
+              setChild<V>(node.mTable[i], toChildren + index * childSize);
+              continue;
             }
-            node.mTable[i].child = static_cast<i64>(entry);
+            V value = backgroundOf<V>(values);
+            if ((s.tile[i >> 6] & bit) != 0)
+              setInside(value, values);
+            setEntry(node.mTable[i], value);
           }
           // Active tiles: their box, and how many.
           for (int w = team.rank(); w < kWords; w += team.size()) {
@@ -315,11 +385,11 @@ public:
           // Sums of doubles are made in a fixed number of parts; without them all members take
           // part.
           const int parts = differ ? kParts : team.size();
+          Extremes<V> extremes;
           for (int p = team.rank(); p < parts; p += team.size()) {
             i32 low[3] = {0x7FFFFFFF, 0x7FFFFFFF, 0x7FFFFFFF};
             i32 high[3] = {-0x7FFFFFFF - 1, -0x7FFFFFFF - 1, -0x7FFFFFFF - 1};
             u64 sum = 0;
-            i32 minValue = 0x7FFFFFFF, maxValue = -0x7FFFFFFF - 1;
             Moments part{0, 0, 0};
             for (u64 j = first + static_cast<u64>(p); j < end; j += static_cast<u64>(parts)) {
               const u64 child = numberOf(j);
@@ -333,7 +403,7 @@ public:
                     to[a] = leaf.mBBoxMin[a] + leaf.mBBoxDif[a];
                   }
                 } else {
-                  const LowerNode& lower = *reinterpret_cast<const LowerNode*>(bytes);
+                  const Lower& lower = *reinterpret_cast<const Lower*>(bytes);
                   for (u32 a = 0; a < 3; ++a) {
                     from[a] = lower.mBBox[0][a];
                     to[a] = lower.mBBox[1][a];
@@ -345,24 +415,19 @@ public:
                 }
                 sum += childVoxels[child];
                 if (differ) {
-                  using Child = std::conditional_t<level == 1, ValueLeaf, LowerNode>;
+                  using Child = std::conditional_t<level == 1, typename NodesOf<V>::Leaf, Lower>;
                   const auto& of = *reinterpret_cast<const Child*>(bytes);
-                  const i32 least = inOrder(of.mMinimum, isFloat),
-                            most = inOrder(of.mMaximum, isFloat);
-                  minValue = least < minValue ? least : minValue;
-                  maxValue = most > maxValue ? most : maxValue;
+                  extremes.add(of.mMinimum, of.mMaximum, static_cast<u32>(j - first), isFloat);
                   addMoments(part, childMoments[child]);
                 }
               } else if (values.varied) {
                 const u32 childSlot = childSlots[childPositions[j]];
                 if (childStates[childSlot] != kFull)
                   continue;
-                const u32 bits = static_cast<u32>(childValues[childSlot]);
-                node.mTable[childKeys[j] & (kChildren - 1)].child = bits;
-                const i32 v = inOrder(bits, isFloat);
-                minValue = v < minValue ? v : minValue;
-                maxValue = v > maxValue ? v : maxValue;
-                addMoments(part, {tileVoxels, numberFrom(bits, isFloat), 0});
+                const V value = tileValue<V>(values, childValues[childSlot]);
+                setEntry(node.mTable[childKeys[j] & (kChildren - 1)], value);
+                extremes.add(value, value, static_cast<u32>(j - first), isFloat);
+                addMoments(part, {tileVoxels, statisticOf(value, isFloat), 0});
               }
             }
             if (low[0] <= high[0])
@@ -370,10 +435,6 @@ public:
                 minInto(&s.low[a], low[a]);
                 maxInto(&s.high[a], high[a]);
               }
-            if (minValue <= maxValue) {
-              minInto(&s.minValue, minValue);
-              maxInto(&s.maxValue, maxValue);
-            }
             if (sum != 0 && level == 1)
               addTo(&s.low32, static_cast<u32>(sum));
             else if (sum != 0)
@@ -381,6 +442,8 @@ public:
             if (differ)
               s.part[p] = part;
           }
+          if (differ)
+            s.extremes.join(extremes);
           team.sync();
           if (team.rank() == 0) {
             for (u32 a = 0; a < 3; ++a) {
@@ -394,25 +457,25 @@ public:
             memset(&node.mMinimum, 0,
                    static_cast<u64>(reinterpret_cast<u8*>(node.mTable) -
                                     reinterpret_cast<u8*>(&node.mMinimum)));
-            if (differ) {
-              moments[number] = sumParts(s);
-              setValues(node, valuesOf(s.minValue, s.maxValue, moments[number], isFloat));
-            } else if (kind == Kind::Float) {
-              union {
-                u32 bits;
-                float value;
-              } u{values.inside};
-              setValues(node, {values.inside, values.inside, u.value, 0});
-            }
+            if (differ)
+              setMoments(node, moments[number] = sumParts(s));
+            else
+              setUniform(node, kind, values, static_cast<const V*>(nullptr));
           }
+          team.sync();
+          if (differ)
+            setExtremes(team, s.extremes, extremes, isFloat, node);
           team.sync();
         });
   }
 
-  /// Writes the head of the grid, which precedes the nodes. `buffer`: the whole grid's; upper nodes
-  /// are read there.
-  void writeHead(u8* buffer, const BufferLayout& l, const nanovdb::GridData& header,
-                 const RootParts& parts) {
+  template <typename V>
+  void writeHeadOf(u8* buffer, const BufferLayout& l, const nanovdb::GridData& header,
+                   const RootParts& parts) {
+    using Root = typename NodesOf<V>::Root;
+    using Upper = typename NodesOf<V>::Upper;
+    using Tile = typename Root::Tile;
+    using Shared = HeadShared<V>;
     const RootEntry* entries = parts.entries;
     const u64* upperVoxels = parts.voxels;
     const Moments* upperMoments = parts.moments;
@@ -423,10 +486,10 @@ public:
     const GridValues values = values_;
     const bool differ = valuesDiffer();
     const KeySpace space = space_;
-    b_.template forTeams<HeadShared>(
-        1, kParts, TETVDB_KERNEL(const Team& team, u64, HeadShared& s) {
-          auto& root = *reinterpret_cast<RootData*>(buffer + l.root);
-          auto* tiles = reinterpret_cast<RootTile*>(&root + 1);
+    b_.template forTeams<Shared>(
+        1, kParts, TETVDB_KERNEL(const Team& team, u64, Shared& s) {
+          auto& root = *reinterpret_cast<Root*>(buffer + l.root);
+          auto* tiles = reinterpret_cast<Tile*>(&root + 1);
           for (int w = team.rank(); w < static_cast<int>(sizeof header / 8); w += team.size())
             reinterpret_cast<u64*>(buffer)[w] = reinterpret_cast<const u64*>(&header)[w];
           if (team.rank() == 0) {
@@ -434,6 +497,7 @@ public:
             s.voxels = 0;
           }
           team.sync();
+          Extremes<V> extremes;
           for (int p = team.rank(); p < kParts; p += team.size()) {
             Moments part{0, 0, 0};
             for (u64 j = static_cast<u64>(p); j < n; j += kParts) {
@@ -442,15 +506,15 @@ public:
                 continue;
               i32 origin[3];
               originOf(space, 2, placeOfTreeKey(space, 2, entry.key), origin);
-              RootTile& tile = tiles[entry.rank]; // its padding is zeros too
+              Tile& tile = tiles[entry.rank]; // its padding is zeros too
               memset(static_cast<void*>(&tile), 0, sizeof tile);
-              tile.key = RootData::CoordToKey(
-                  nanovdb::NanoRoot<u32>::CoordType(origin[0], origin[1], origin[2]));
+              tile.key = Root::CoordToKey(
+                  typename nanovdb::NanoRoot<V>::CoordType(origin[0], origin[1], origin[2]));
               i32 from[3], to[3];
               u64 voxels = u64(1) << 36;
               if (entry.state == kNode) {
-                const u64 at = l.upper + entry.upper * sizeof(UpperNode);
-                const auto& upper = *reinterpret_cast<const UpperNode*>(buffer + at);
+                const u64 at = l.upper + entry.upper * sizeof(Upper);
+                const auto& upper = *reinterpret_cast<const Upper*>(buffer + at);
                 tile.child = static_cast<i64>(at - l.root);
                 for (u32 a = 0; a < 3; ++a) {
                   from[a] = upper.mBBox[0][a];
@@ -459,21 +523,19 @@ public:
                 voxels = upperVoxels[entry.upper];
                 if (differ) {
                   addMoments(part, upperMoments[entry.upper]);
-                  minInto(&s.minValue, inOrder(upper.mMinimum, isFloat));
-                  maxInto(&s.maxValue, inOrder(upper.mMaximum, isFloat));
+                  extremes.add(upper.mMinimum, upper.mMaximum, static_cast<u32>(j), isFloat);
                 }
               } else if (values.narrowBand) {
-                tile.value = values.inside;
+                setInside(tile.value, values);
                 continue;
               } else {
                 tile.state = 1;
-                tile.value = values.inside;
+                setInside(tile.value, values);
                 if (values.varied) {
-                  tile.value = static_cast<u32>(entry.value);
+                  tile.value = tileValue<V>(values, entry.value);
                   addMoments(part,
-                             {static_cast<double>(voxels), numberFrom(tile.value, isFloat), 0});
-                  minInto(&s.minValue, inOrder(tile.value, isFloat));
-                  maxInto(&s.maxValue, inOrder(tile.value, isFloat));
+                             {static_cast<double>(voxels), statisticOf(tile.value, isFloat), 0});
+                  extremes.add(tile.value, tile.value, static_cast<u32>(j), isFloat);
                 }
                 for (int a = 0; a < 3; ++a) {
                   from[a] = origin[a];
@@ -488,26 +550,23 @@ public:
             }
             s.part[p] = part;
           }
+          s.extremes.join(extremes);
           team.sync();
+          const bool empty = l.rootTiles == 0;
           if (team.rank() == 0) {
-            const bool empty = l.rootTiles == 0;
             memset(static_cast<void*>(&root), 0, sizeof root);
             for (u32 a = 0; a < 3; ++a) {
               root.mBBox[0][a] = empty ? 0x7FFFFFFF : s.low[a];
               root.mBBox[1][a] = empty ? -0x7FFFFFFF - 1 : s.high[a];
             }
             root.mTableSize = static_cast<u32>(l.rootTiles);
-            root.mBackground = values.background;
-            union {
-              u32 bits;
-              float value;
-            } inside{values.inside};
-            if (empty && (kind == Kind::Float || kind == Kind::Int32))
-              setValues(root, {values.background, values.background, 0, 0});
+            root.mBackground = backgroundOf<V>(values);
+            if (empty)
+              root.mMinimum = root.mMaximum = root.mBackground;
             else if (differ)
-              setValues(root, valuesOf(s.minValue, s.maxValue, sumParts(s), isFloat));
-            else if (kind == Kind::Float)
-              setValues(root, {values.inside, values.inside, inside.value, 0});
+              setMoments(root, sumParts(s));
+            else
+              setUniform(root, kind, values, static_cast<const V*>(nullptr));
             auto& grid = *reinterpret_cast<nanovdb::GridData*>(buffer);
             grid.mGridSize = l.size;
             if (!empty) {
@@ -530,6 +589,9 @@ public:
             tree.mTileCount[2] = values.narrowBand ? 0 : static_cast<u32>(l.rootTiles - l.uppers);
             tree.mVoxelCount = s.voxels;
           }
+          team.sync();
+          if (differ && !empty)
+            setExtremes(team, s.extremes, extremes, isFloat, root);
           team.sync();
           // NanoVDB's partial checksum: grid, tree and root but for magic and checksum.
           const u64 size = l.upper - 16, chunk = (size + kParts - 1) / kParts;

@@ -66,15 +66,19 @@ nano::FieldJob pinnedJob(PinnedCopies& pinned, const TetMesh& mesh, const GridTr
   return job;
 }
 
-// Three grids of floats, as those of a .nvdb file.
+// Three grids, as those of a .nvdb file: two of floats, and `force` by its length or as it is.
 void gridsRows(nano::DeviceVoxelizer& device, const nano::Speeds& speeds, const TetMesh& mesh,
-               const std::string& what, const GridTransform& transform, int times) {
+               const std::string& name, const GridTransform& transform, FieldPart force,
+               int times) {
+  const std::string what =
+      name +
+      (force == FieldPart::Whole ? ", 3 grids of NanoVDB, one of vectors" : ", 3 grids of NanoVDB");
   Report report;
   Progress progress;
   FieldOptions wanted;
   wanted.requests = {{"", "heat", FieldPart::Whole, ""},
                      {"", "load", FieldPart::Whole, ""},
-                     {"", "force", FieldPart::Magnitude, ""}};
+                     {"", "force", force, ""}};
   const std::vector<Field> fields = resolveFields(mesh, wanted, report);
   PinnedCopies pinned;
   nano::MeshView view;
@@ -84,21 +88,17 @@ void gridsRows(nano::DeviceVoxelizer& device, const nano::Speeds& speeds, const 
     grids.begin();
     device.sampleGrids(view, job, grids);
   });
-  print(what + ", 3 grids of NanoVDB", measured,
-        pinned.bytes() / speeds.up + grids.bytes() / speeds.down,
+  print(what, measured, pinned.bytes() / speeds.up + grids.bytes() / speeds.down,
         fmt::format("{:.0f} MB up, {:.0f} MB down", pinned.bytes() * 1e-6, grids.bytes() * 1e-6));
-  besideCpu(what + ", 3 grids of NanoVDB; the CPU's: OpenVDB's trees",
-            estimateFieldCost(mesh, transform, 3), std::max(times / 4, 3),
-            [&](const DeviceChoice& choice) {
+  besideCpu(what + "; the CPU's: OpenVDB's trees",
+            estimateFieldCost(mesh, transform, force == FieldPart::Whole ? 5 : 3),
+            std::max(times / 4, 3), [&](const DeviceChoice& choice) {
               DeviceUsed used;
               std::vector<NanoBytes> made;
+              Volume volume;
               sampleNanoGrids(
                   mesh, transform, fields, {}, choice, used, made,
-                  [&] {
-                    Volume volume;
-                    return sampleFields(mesh, transform, fields, {}, volume, report, progress);
-                  },
-                  report, progress);
+                  [&]() -> Volume& { return volume; }, report, progress);
             });
 }
 
@@ -131,7 +131,8 @@ void fieldsTable(nano::DeviceVoxelizer& device, const nano::Speeds& speeds, cons
                       down * 1e-6, within * 1e3));
   }
 
-  gridsRows(device, speeds, mesh, what, transform, times);
+  for (const FieldPart force : {FieldPart::Magnitude, FieldPart::Whole})
+    gridsRows(device, speeds, mesh, what, transform, force, times);
 
   double numbers = 0;
   for (const Field& field : fields)

@@ -121,18 +121,6 @@ SampledFields fieldsBy(const TetMesh& mesh, const GridTransform& transform,
           leaves.batches};
 }
 
-/// allFields() without vectors.
-inline FieldOptions scalarFields() {
-  FieldOptions options = allFields();
-  const auto isVector = [](const FieldRequest& request) {
-    return request.part == FieldPart::Whole && (request.array == "vel" || request.array == "force");
-  };
-  auto& all = options.requests;
-  all.erase(std::remove_if(all.begin(), all.end(), isVector), all.end());
-  options.clamp.pop_back(); // of a vector
-  return options;
-}
-
 struct CollectedGrids : nano::GridReceiver {
   std::vector<NanoBytes> grids;
   SampledCounts counts;

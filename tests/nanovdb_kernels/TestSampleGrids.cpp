@@ -23,7 +23,7 @@ SampledFields twinGrids(const TetMesh& mesh, const GridTransform& transform,
 }
 
 std::vector<NanoBytes> expectSameGrids(const TetMesh& bare, const GridTransform& transform = {},
-                                       const FieldOptions& wanted = scalarFields()) {
+                                       const FieldOptions& wanted = allFields()) {
   const TetMesh mesh = bare.attributes.empty() ? withArrays(bare, 5) : bare;
   CollectedGrids collected;
   const SampledFields twin = twinGrids(mesh, transform, wanted, collected);
@@ -91,12 +91,20 @@ TEST(SampleGrids, TilesOfOneValue) {
   onCells("hollow", nan, 4);
   onCells("minus", -0.0, 4);
   mesh.attributes.push_back({"kinds", Attribute::On::Cells, 1, std::vector<std::int32_t>{-5, 2}});
+  const auto vectors = [&](const char* name, const std::vector<float>& ofCells) {
+    mesh.attributes.push_back({name, Attribute::On::Cells, 3, ofCells});
+  };
+  vectors("still", {1, 2, 3, 1, 2, 3});
+  vectors("apart", {1, 2, 3, 1, 2, 4});
+  vectors("zero", {0, -0.0F, 0, -0.0F, 0, 0});
+  vectors("torn", {1, std::numeric_limits<float>::infinity(), 3, 1, 2, 4});
   FieldOptions wanted;
   wanted.all = true;
   const auto made = expectSameGrids(mesh, {}, wanted);
-  for (const std::size_t i : {0u, 1u, 3u, 4u})
+  for (const std::size_t i : {0u, 1u, 3u, 4u, 5u, 6u, 7u})
     EXPECT_GT(tilesAt(made[i], 1), 0u);
-  EXPECT_EQ(tilesAt(made[2], 1), 0u);
+  for (const std::size_t i : {2u, 8u})
+    EXPECT_EQ(tilesAt(made[i], 1), 0u);
   // Zeros of either sign on all sides of a voxel.
   TetMesh zeros = meshes::scaled(kuhnGrid(40, 40, 40), 1, {0.25, 0.25, 0.25});
   std::vector<float> values(zeros.tetCount());
@@ -104,22 +112,43 @@ TEST(SampleGrids, TilesOfOneValue) {
     values[i] = i % 7 == 0 ? 0.0F : -0.0F;
   zeros.cellCount = zeros.tetCount();
   zeros.attributes.push_back({"zeros", Attribute::On::Cells, 1, values});
-  EXPECT_GT(tilesAt(expectSameGrids(zeros, {}, wanted).front(), 0), 0u);
+  std::vector<float> vectorsOfCells;
+  for (const float v : values)
+    vectorsOfCells.insert(vectorsOfCells.end(), {2, v, -v});
+  zeros.attributes.push_back({"vectors", Attribute::On::Cells, 3, vectorsOfCells});
+  for (const NanoBytes& grid : expectSameGrids(zeros, {}, wanted))
+    EXPECT_GT(tilesAt(grid, 0), 0u);
+}
+
+// What NanoVDB's statistics are of.
+double statistic(float v) {
+  return static_cast<double>(v);
+}
+double statistic(std::int32_t v) {
+  return v;
+}
+double statistic(const nanovdb::Vec3f& v) {
+  return static_cast<double>(v.lengthSqr());
 }
 
 // What a node says of its active values, against sums over all of them.
 template <typename Node, typename Value>
 void expectStatistics(const Node& node, const std::vector<Value>& active) {
   double sum = 0, squares = 0;
-  for (const Value v : active)
-    sum += static_cast<double>(v);
+  for (const Value& v : active)
+    sum += statistic(v);
   const double mean = sum / static_cast<double>(active.size());
-  for (const Value v : active)
-    squares += (static_cast<double>(v) - mean) * (static_cast<double>(v) - mean);
+  for (const Value& v : active)
+    squares += (statistic(v) - mean) * (statistic(v) - mean);
   const double deviation = std::sqrt(squares / static_cast<double>(active.size()));
   const double scale = std::abs(mean) + deviation + 1e-30;
-  EXPECT_EQ(node.mMinimum, *std::min_element(active.begin(), active.end()));
-  EXPECT_EQ(node.mMaximum, *std::max_element(active.begin(), active.end()));
+  const auto less = [](const Value& a, const Value& b) { return statistic(a) < statistic(b); };
+  const auto bounds = std::minmax_element(active.begin(), active.end(), less);
+  const Value low = node.mMinimum, high = node.mMaximum;
+  EXPECT_EQ(statistic(low), statistic(*bounds.first));
+  EXPECT_EQ(statistic(high), statistic(*bounds.second));
+  EXPECT_NE(std::find(active.begin(), active.end(), low), active.end());
+  EXPECT_NE(std::find(active.begin(), active.end(), high), active.end());
   EXPECT_NEAR(static_cast<double>(node.mAverage), mean, 1e-6 * scale);
   EXPECT_NEAR(static_cast<double>(node.mStdDevi), deviation, 1e-6 * scale);
 }
@@ -153,14 +182,16 @@ TEST(SampleGrids, StatisticsAreThoseOfTheActiveValues) {
   const TetMesh mesh =
       withArrays(meshes::scaled(meshes::jittered(kuhnGrid(3, 3, 3), 0.2, 4), 13), 8);
   FieldOptions wanted;
-  wanted.requests = {{"", "temperature", FieldPart::Whole, ""},
-                     {"", "holes", FieldPart::Whole, ""},
-                     {"", "patches", FieldPart::Whole, ""},
-                     {"", "label", FieldPart::Whole, ""}};
+  wanted.requests = {
+      {"", "temperature", FieldPart::Whole, ""}, {"", "holes", FieldPart::Whole, ""},
+      {"", "patches", FieldPart::Whole, ""},     {"", "label", FieldPart::Whole, ""},
+      {"", "vel", FieldPart::Whole, ""},         {"", "force", FieldPart::Whole, ""}};
   const auto grids = expectSameGrids(mesh, {}, wanted);
   for (std::size_t i = 0; i < 3; ++i)
     expectStatisticsOf<float>(grids[i]);
   expectStatisticsOf<std::int32_t>(grids[3]);
+  for (std::size_t i = 4; i < 6; ++i)
+    expectStatisticsOf<nanovdb::Vec3f>(grids[i]);
 }
 
 RC_GTEST_PROP(SampleGridsProperties, Soups, ()) {

@@ -128,7 +128,7 @@ void madeArrays(Device& device, bool small) {
   const auto check = [&](const std::string& name, const TetMesh& mesh,
                          const GridTransform& transform = {}) {
     compareFields(device, name, withArrays(mesh, 5), transform, allFields());
-    compareNanoFields(device, name, withArrays(mesh, 5), transform, scalarFields());
+    compareNanoFields(device, name, withArrays(mesh, 5), transform, allFields());
   };
   for (int cell : {1, 3, 8})
     check("lattice of ties", scaled(kuhnGrid(3, 3, 3), cell));

@@ -2,6 +2,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/volume/Grids.h"
 
+#include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
 
@@ -27,6 +28,19 @@ TEST(Grids, TransformsMapIndicesExactly) {
     EXPECT_EQ(world.y(), cases[i].origin[1] - 11 * cases[i].voxelSize[1]);
     EXPECT_EQ(world.z(), cases[i].origin[2] + 1001 * cases[i].voxelSize[2]);
   }
+}
+
+TEST(Grids, ZerosOfBothSignsAreDescribedAsOne) {
+  initializeOpenVDB();
+  const auto grid = openvdb::FloatGrid::create();
+  grid->tree().setValueOn({0, 0, 0}, -0.0F);
+  grid->tree().setValueOn({1, 0, 0}, 0.0F);
+  grid->tree().setValueOn({9, 0, 0}, -0.0F);
+  Volume volume;
+  volume.grids().all = {grid};
+  const GridInfo info = describe(volume).front();
+  EXPECT_FALSE(std::signbit(info.minValue));
+  EXPECT_FALSE(std::signbit(info.maxValue));
 }
 
 TEST(Grids, TransformsThatCannotBe) {

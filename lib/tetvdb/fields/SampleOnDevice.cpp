@@ -214,15 +214,13 @@ SnapCounts sampleFields(const TetMesh& mesh, const GridTransform& transform,
 }
 
 bool makesNanoGrids(const TetMesh& mesh, const std::vector<Field>& fields) {
-  return !mesh.tets.empty() && !needsShapes(mesh, fields) &&
-         std::all_of(fields.begin(), fields.end(),
-                     [](const Field& field) { return field.kind != FieldKind::Vector; });
+  return !mesh.tets.empty() && !needsShapes(mesh, fields);
 }
 
 SnapCounts sampleNanoGrids(const TetMesh& mesh, const GridTransform& transform,
                            const std::vector<Field>& fields, const SampleOptions& options,
                            const DeviceChoice& choice, DeviceUsed& used,
-                           std::vector<NanoBytes>& grids, const std::function<SnapCounts()>& onCpu,
+                           std::vector<NanoBytes>& grids, const std::function<Volume&()>& volume,
                            Report& report, Progress& progress) {
   used = {};
   std::vector<NanoBytes> made;
@@ -234,18 +232,29 @@ SnapCounts sampleNanoGrids(const TetMesh& mesh, const GridTransform& transform,
         timer.part("start");
         const BorrowedDevices devices = start();
         timer.part("on the device");
-        GridTaker taker(made, options);
-        const nano::Counts found = devices->sampleGrids(
-            withoutValues(mesh), fieldJobFor(mesh, transform, fields), taker, progress);
-        if (!options.allowEmpty && describeNano(made.front().data.get()).activeVoxels == 0 &&
-            taker.counts().leftOut.front() == 0)
-          refuseNoVoxels();
-        taker.counts().warn(fields, report);
-        return snapCountsOf(found);
+        try {
+          GridTaker taker(made, options);
+          const nano::Counts found = devices->sampleGrids(
+              withoutValues(mesh), fieldJobFor(mesh, transform, fields), taker, progress);
+          if (!options.allowEmpty && describeNano(made.front().data.get()).activeVoxels == 0 &&
+              taker.counts().leftOut.front() == 0)
+            refuseNoVoxels();
+          taker.counts().warn(fields, report);
+          return snapCountsOf(found);
+        } catch (const Error& e) {
+          if (e.status() != Status::Limit)
+            throw;
+        }
+        // Batches of leaves may fit.
+        made.clear();
+        std::vector<std::unique_ptr<PackedGrid>> none;
+        initializeOpenVDB();
+        return sampleOn(*devices, mesh, transform, fields, options, nullptr, none, volume(), timer,
+                        report, progress);
       },
       [&] {
         made.clear();
-        return onCpu();
+        return sampleFields(mesh, transform, fields, options, volume(), report, progress);
       });
   grids.insert(grids.end(), made.begin(), made.end());
   return counts;

@@ -33,17 +33,17 @@ SnapCounts sampleFields(const TetMesh& mesh, const GridTransform& transform,
                         std::vector<std::unique_ptr<PackedGrid>>& packed, Volume& volume,
                         Report& report, Progress& progress);
 
-/// Whether sampleNanoGrids() can make grids of all `fields`: not of vectors, nor by shape
-/// functions.
+/// Whether sampleNanoGrids() can make grids of all `fields`: not by shape functions.
 bool makesNanoGrids(const TetMesh& mesh, const std::vector<Field>& fields);
 
 /// sampleFields() whose grids the device makes as NanoVDB's and adds to `grids`; their values,
-/// nodes and tiles are the same. Where the CPU is used, returns `onCpu()` and adds none. In
-/// `report`, stage "fields" has the part "on the device".
+/// nodes and tiles are the same. Where the CPU is used, or the device's memory is too small for
+/// whole grids, adds none, but OpenVDB's grids to `volume()`. In `report`, stage "fields" has the
+/// part "on the device".
 SnapCounts sampleNanoGrids(const TetMesh& mesh, const GridTransform& transform,
                            const std::vector<Field>& fields, const SampleOptions& options,
                            const DeviceChoice& choice, DeviceUsed& used,
-                           std::vector<NanoBytes>& grids, const std::function<SnapCounts()>& onCpu,
+                           std::vector<NanoBytes>& grids, const std::function<Volume&()>& volume,
                            Report& report, Progress& progress);
 
 /// The job for `fields` of `mesh`, to whose arrays it refers; without cells that have shape

@@ -55,12 +55,12 @@ SnapCounts addFields(std::vector<NanoBytes>& nano, const TetMesh& mesh,
   if (!nano.empty()) // it is in memory that the device is about to use again
     nano.back() = copyOf(nano.back());
   const std::size_t others = nano.size();
-  const auto onCpu = [&] {
+  const auto volume = [&]() -> Volume& {
     makeTrees(nano, made);
-    return sampleFields(mesh, made.transform, fields, options, made.volume, report, progress);
+    return made.volume;
   };
   const SnapCounts counts = sampleNanoGrids(mesh, made.transform, fields, options, choice, used,
-                                            nano, onCpu, report, progress);
+                                            nano, volume, report, progress);
   if (std::any_of(nano.begin(), nano.end(), [](const NanoBytes& grid) {
         return describeNano(grid.data.get()).leaves == 0;
       })) {

@@ -307,8 +307,8 @@ GridInfo describeGrid(const openvdb::GridBase& grid, const PackedRange* packed) 
     info.boxMax = toArray(counts.box.max());
   }
   if (counts.min <= counts.max) {
-    info.minValue = counts.min;
-    info.maxValue = counts.max;
+    info.minValue = counts.min + 0.0; // -0 becomes 0, whichever of the two was met first
+    info.maxValue = counts.max + 0.0;
   }
   return info;
 }

@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/NanoVdb.h"
 #include "tetvdb/volume/NodeBytes.h"
+#include "tetvdb/volume/PackedRange.h"
 
 #include <cstdlib>
 #include <cstring>
@@ -16,6 +17,15 @@
 
 namespace tetvdb {
 namespace {
+
+// OpenVDB's value of NanoVDB's.
+template <typename T>
+T openValue(const T& value) {
+  return value;
+}
+openvdb::Vec3s openValue(const nanovdb::Vec3f& v) {
+  return {v[0], v[1], v[2]};
+}
 
 // One grid's buffer into OpenVDB's nodes.
 template <typename TreeType, typename BuildT>
@@ -30,7 +40,7 @@ class NanoTree {
 
 public:
   explicit NanoTree(const nanovdb::NanoGrid<BuildT>& grid)
-      : root_(*grid.tree().root().data()), background_(root_.mBackground) {}
+      : root_(*grid.tree().root().data()), background_(openValue(root_.mBackground)) {}
 
   typename TreeType::Ptr make() const {
     auto result = std::make_shared<TreeType>(background_);
@@ -40,7 +50,7 @@ public:
       const auto at = tile->origin();
       const openvdb::Coord origin(at[0], at[1], at[2]);
       if (tile->isValue()) {
-        result->root().addTile(origin, tile->value, tile->state != 0);
+        result->root().addTile(origin, openValue(tile->value), tile->state != 0);
         continue;
       }
       auto* upper = new Upper(origin, background_, false);
@@ -74,7 +84,7 @@ private:
   template <typename From, typename To>
   void addTile(const From& from, openvdb::Index n, To& to) const {
     const bool active = from.mValueMask.isOn(n);
-    const auto value = static_cast<Value>(from.getValue(n));
+    const Value value = openValue(from.getValue(n));
     if (active || value != background_)
       to.addTile(n, value, active);
   }
@@ -121,6 +131,8 @@ auto withNanoGrid(const unsigned char* bytes, const F& f) {
     return typed(float(), static_cast<openvdb::FloatTree*>(nullptr));
   case nanovdb::GridType::Int32:
     return typed(std::int32_t(), static_cast<openvdb::Int32Tree*>(nullptr));
+  case nanovdb::GridType::Vec3f:
+    return typed(nanovdb::Vec3f(), static_cast<openvdb::Vec3STree*>(nullptr));
   case nanovdb::GridType::Mask:
     return typed(nanovdb::ValueMask(), static_cast<openvdb::BoolTree*>(nullptr));
   case nanovdb::GridType::Boolean:
@@ -176,7 +188,7 @@ GridInfo describeNano(const unsigned char* bytes, std::uint64_t insideVoxels) {
     const auto& root = *nano.tree().root().data();
     Volume empty;
     empty.grids().all = {
-        named(openvdb::Grid<TreeType>::create(static_cast<Value>(root.mBackground)), bytes)};
+        named(openvdb::Grid<TreeType>::create(Value(openValue(root.mBackground))), bytes)};
     GridInfo info = describe(empty).front();
     const auto& counts = *nano.tree().data();
     info.leaves = counts.mNodeCount[0];
@@ -196,8 +208,8 @@ GridInfo describeNano(const unsigned char* bytes, std::uint64_t insideVoxels) {
     info.boxMax = {box.max()[0], box.max()[1], box.max()[2]};
     info.minValue = info.maxValue = 1;
     if constexpr (!std::is_same_v<Value, bool>) {
-      info.minValue = static_cast<double>(root.mMinimum);
-      info.maxValue = static_cast<double>(root.mMaximum);
+      info.minValue = scalarValue(openValue(root.mMinimum)) + 0.0; // no -0, as describe()
+      info.maxValue = scalarValue(openValue(root.mMaximum)) + 0.0;
     }
     return info;
   });

@@ -11,9 +11,9 @@
 namespace tetvdb {
 
 /// OpenVDB's grid for a NanoVDB grid in memory, aligned to 32 bytes, that this program built (mask,
-/// bool, float or int32; breadth first). Its offsets are trusted: files are read by readVolume(). A
-/// mask becomes a bool grid. Name, class and the transform by voxel size and origin are copied.
-/// Parallel, by lower nodes; bound by the memory of the result.
+/// bool, float, int32 or vector; breadth first). Its offsets are trusted: files are read by
+/// readVolume(). A mask becomes a bool grid. Name, class and the transform by voxel size and origin
+/// are copied. Parallel, by lower nodes; bound by the memory of the result.
 openvdb::GridBase::Ptr gridOfNano(const unsigned char* bytes);
 
 /// Memory for a grid, to be written, and what holds it. Throws Error(Limit).

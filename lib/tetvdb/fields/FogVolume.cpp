@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/fields/FogVolume.h"
 
+#include "tetvdb/geometry/NarrowBand.h"
+
 #include <algorithm>
 #include <limits>
 #include <memory>
@@ -26,7 +28,7 @@ bool makeLeafFog(Leaf& leaf, float weight) {
     std::uint64_t active = 0;
     for (openvdb::Index i = 0; i < 64; ++i) {
       float& value = values[64 * x + i];
-      value = value > 0 ? 0 : value * weight;
+      value = fogOf(value, weight);
       active |= static_cast<std::uint64_t>(value > 0) << i;
     }
     leaf.getValueMask().getWord<openvdb::Index64>(x) = active;
@@ -35,24 +37,21 @@ bool makeLeafFog(Leaf& leaf, float weight) {
   return any;
 }
 
-// The fog of a node, whose leaves it takes; null if no leaf is left.
-std::unique_ptr<Lower> fogOf(Lower& node, float background, float weight) {
+// The fog of a node, whose leaves it takes; null if it is 0 throughout.
+std::unique_ptr<Lower> fogOfNode(Lower& node, float background, float weight) {
   std::vector<Leaf*> leaves;
   node.stealNodes(leaves, background, false);
-  std::unique_ptr<Lower> fog;
+  auto fog = std::make_unique<Lower>(node.origin(), 0.0F, false);
   for (Leaf* leaf : leaves) {
-    if (!makeLeafFog(*leaf, weight)) {
+    if (makeLeafFog(*leaf, weight))
+      fog->addLeaf(leaf);
+    else
       delete leaf;
-      continue;
-    }
-    if (!fog)
-      fog = std::make_unique<Lower>(node.origin(), 0.0F, false);
-    fog->addLeaf(leaf);
   }
-  for (auto tile = node.cbeginValueAll(); fog && tile; ++tile)
+  for (auto tile = node.cbeginValueAll(); tile; ++tile)
     if (*tile < 0)
       fog->addTile(tile.pos(), 1.0F, true);
-  return fog;
+  return fog->getChildMask().isOff() && fog->getValueMask().isOff() ? nullptr : std::move(fog);
 }
 
 } // namespace
@@ -95,7 +94,7 @@ void makeFog(openvdb::FloatGrid& levelSet, float depth) {
   from.getNodes(lowers);
   std::vector<std::unique_ptr<Lower>> fogs(lowers.size());
   tbb::parallel_for(std::size_t(0), lowers.size(),
-                    [&](std::size_t i) { fogs[i] = fogOf(*lowers[i], background, weight); });
+                    [&](std::size_t i) { fogs[i] = fogOfNode(*lowers[i], background, weight); });
 
   auto tree = std::make_shared<Tree>(0.0F);
   std::size_t next = 0; // of fogs, in the order of the nodes
@@ -108,8 +107,6 @@ void makeFog(openvdb::FloatGrid& levelSet, float depth) {
       std::unique_ptr<Lower>& fog = fogs[next++];
       if (fog)
         upper->addChild(fog.release());
-      else if (lower->getFirstValue() < 0)
-        upper->addTile(lower.pos(), 1.0F, true);
     }
     if (!upper->getChildMask().isOff() || !upper->getValueMask().isOff())
       tree->root().addChild(upper.release());

@@ -50,4 +50,11 @@ private:
   }
 };
 
+/// The fog of a level set's value: 0 outside, rising inside to 1 at the depth, negative, whose
+/// inverse `weight` is. Never 0 inside.
+TETVDB_HD TETVDB_INLINE float fogOf(float value, float weight) {
+  const float least = std::numeric_limits<float>::min(), fog = value * weight;
+  return value > 0 ? 0 : fog < least ? least : fog;
+}
+
 } // namespace tetvdb

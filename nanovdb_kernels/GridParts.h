@@ -20,6 +20,8 @@ struct GridValues {
   /// Of a grid of vectors, 512 a leaf: a tile's value as bits is the number of a leaf, and its
   /// vector the first of that leaf. The background is a float, of all components.
   const Vector* vectors = nullptr;
+  /// Leaves have values of their own, active tiles are `inside`.
+  bool variedLeaves = false;
 };
 
 /// The head of a grid, but for what its nodes decide. `voxelSize`, `origin`: world units, three
@@ -155,16 +157,16 @@ TETVDB_HD inline double statisticOf(const Vector& v, bool) {
   return static_cast<double>(squaredLength(v));
 }
 
-/// The background, and a tile's value, of a grid of V.
+/// `bits` of GridValues, and a tile's value, in a grid of V.
 template <typename V>
-TETVDB_HD V backgroundOf(const GridValues& values);
+TETVDB_HD V valueFrom(u32 bits);
 template <>
-TETVDB_HD inline u32 backgroundOf<u32>(const GridValues& values) {
-  return values.background;
+TETVDB_HD inline u32 valueFrom<u32>(u32 bits) {
+  return bits;
 }
 template <>
-TETVDB_HD inline Vector backgroundOf<Vector>(const GridValues& values) {
-  return Vector(floatFrom(values.background));
+TETVDB_HD inline Vector valueFrom<Vector>(u32 bits) {
+  return Vector(floatFrom(bits));
 }
 template <typename V>
 TETVDB_HD V tileValue(const GridValues& values, i32 bits);

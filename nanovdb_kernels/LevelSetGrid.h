@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A level set of a closed mesh as a NanoVDB buffer, on any backend: a mask of what is inside ->
-// faces near 128^3 nodes -> distances, leaf by leaf -> leaves with signs -> the nodes above them.
-// As fields/LevelSet.h on the CPU.
+// A level set of a closed mesh, or its fog, as a NanoVDB buffer, on any backend: a mask of what is
+// inside -> faces near 128^3 nodes -> distances, leaf by leaf -> leaves with signs -> the nodes
+// above them. As fields/LevelSet.h and FogVolume.h on the CPU.
 #pragma once
 
-#include "BandLeaves.h"
 #include "LevelSetJob.h"
+#include "LevelSetLeaves.h"
 #include "Pipeline.h"
-#include "tetvdb/geometry/NarrowBand.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,44 +30,13 @@ inline Job maskJobOf(const LevelSetJob& job) {
   return mask;
 }
 
-struct AnyShared {
-  static constexpr int kThreads = 32, kOccupancy = 32;
-  u32 any;
-};
-
-struct SignShared {
-  static constexpr int kThreads = 32, kOccupancy = 32;
-  u64 inside[8], active[8];
-  i32 minValue, maxValue;
-  Moments part[kParts];
-};
-
-/// What is inside, in a grid of NanoVDB's ValueMask.
-struct InsideMask {
-  const nanovdb::NanoGrid<nanovdb::ValueMask>* grid;
-
-  TETVDB_HD bool at(const i32 (&voxel)[3]) const {
-    return grid->getAccessor().isActive(nanovdb::Coord(voxel[0], voxel[1], voxel[2]));
-  }
-  /// The words of the leaf that begins at `origin`; returns whether it is a node.
-  TETVDB_HD bool leaf(const i32 (&origin)[3], u64* words) const {
-    const auto accessor = grid->getAccessor();
-    const nanovdb::Coord first(origin[0], origin[1], origin[2]);
-    const auto* node = accessor.probeLeaf(first);
-    const u64 same = node == nullptr && accessor.isActive(first) ? ~u64(0) : 0;
-    for (u32 x = 0; x < 8; ++x)
-      words[x] = node == nullptr ? same : wordsOf(node->valueMask())[x];
-    return node != nullptr;
-  }
-};
-
 template <typename Backend>
 class LevelSetGrid {
 public:
   /// `mesh` and the faces of `job` lie where the backend computes; `maskJob`: maskJobOf(job).
   LevelSetGrid(Backend& backend, const MeshView& mesh, const LevelSetJob& job, const Job& maskJob)
       : b_(backend), mesh_(mesh), job_(job), mask_(backend, mesh, maskJob),
-        band_(job.halfWidth, 0, job.voxelSize) {}
+        band_(job.halfWidth, 0, job.voxelSize), leaves_(backend, band_) {}
 
   /// The buffer is the backend's memory. Of meshes that do not close nothing is made. awaitFaces():
   /// called before those of the job are read.
@@ -225,171 +193,85 @@ public:
     b_.dropTemporaries();
   }
 
-  // Leaves of a batch that have active voxels.
-  struct MadeLeaves {
-    u64 count;
-    ValueLeaf* leaves;
-    u64 *key, *voxels;
-    Moments* moments;
-  };
-
   void addLeaves() {
     BandLeaves<Backend> leaves(b_, placed_, starts_);
-    leaves.runHere([&](const typename BandLeaves<Backend>::Batch& batch) { addBatch(batch); });
+    leaves.runHere([&](const typename BandLeaves<Backend>::Batch& batch) {
+      leaves_.add(batch, space_, nodeKeys_ + batch.firstNode, insideMask());
+    });
     b_.dropTemporaries();
-  }
-
-  void addBatch(const typename BandLeaves<Backend>::Batch& batch) {
-    b_.stage("leaves");
-    const NarrowBand band = band_;
-    const float* squared = batch.squared;
-    u32* some = b_.template temp<u32>(batch.leaves + 1);
-    u64* rank = b_.template temp<u64>(batch.leaves + 1);
-    b_.template forTeams<AnyShared>(
-        batch.leaves, 32, TETVDB_KERNEL(const Team& team, u64 leaf, AnyShared& s) {
-          if (team.rank() == 0)
-            s.any = 0;
-          team.sync();
-          u32 any = 0;
-          for (int i = team.rank(); i < kVoxelsInLeaf; i += team.size())
-            any |= band.isActive(band.distance(squared[leaf * kVoxelsInLeaf + static_cast<u64>(i)]))
-                       ? 1u
-                       : 0u;
-          if (any != 0)
-            orInto(&s.any, 1u);
-          team.sync();
-          if (team.rank() == 0)
-            some[leaf] = s.any;
-          team.sync();
-        });
-    b_.scan(some, rank, batch.leaves);
-    MadeLeaves made{b_.read(rank + batch.leaves), nullptr, nullptr, nullptr, nullptr};
-    if (made.count == 0)
-      return;
-    made.leaves = b_.template alloc<ValueLeaf>(made.count);
-    made.key = b_.template alloc<u64>(made.count);
-    made.voxels = b_.template alloc<u64>(made.count);
-    made.moments = b_.template alloc<Moments>(made.count);
-    sign(batch, some, rank, made);
-    made_.push_back(made);
-  }
-
-  void sign(const typename BandLeaves<Backend>::Batch& batch, const u32* some, const u64* rank,
-            const MadeLeaves& made) {
-    const NarrowBand band = band_;
-    const KeySpace space = space_;
-    const InsideMask mask = insideMask();
-    const float* squared = batch.squared;
-    const u32* entries = batch.entries;
-    const u64* nodeKeys = nodeKeys_ + batch.firstNode;
-    b_.template forTeams<SignShared>(
-        batch.leaves, 32, TETVDB_KERNEL(const Team& team, u64 i, SignShared& s) {
-          if (some[i] == 0)
-            return;
-          const u64 leaf = rank[i];
-          const u64 key = nodeKeys[entries[i] / kLeavesInNode] << 12 | entries[i] % kLeavesInNode;
-          i32 origin[3];
-          originOf(space, 0, placeOfTreeKey(space, 0, key), origin);
-          if (team.rank() == 0) {
-            mask.leaf(origin, s.inside);
-            s.minValue = 0x7FFFFFFF;
-            s.maxValue = -0x7FFFFFFF - 1;
-          }
-          team.sync();
-          ValueLeaf& node = made.leaves[leaf];
-          auto* values = reinterpret_cast<float*>(node.mValues);
-          for (int p = team.rank(); p < kParts; p += team.size()) {
-            Moments part{0, 0, 0};
-            i32 min = 0x7FFFFFFF, max = -0x7FFFFFFF - 1;
-            for (int r = p; r < kRowsInLeaf; r += kParts) {
-              u32 active = 0;
-              for (int z = 0; z < kLeafSize; ++z) {
-                const int voxel = r * kLeafSize + z;
-                const float distance =
-                    band.distance(squared[i * kVoxelsInLeaf + static_cast<u64>(voxel)]);
-                const float absolute = band.absolute(distance);
-                const bool inside = s.inside[voxel / 64] >> (voxel % 64) & 1;
-                const float value = inside ? -absolute : absolute;
-                values[voxel] = value;
-                if (!band.isActive(distance))
-                  continue;
-                active |= 1u << z;
-                const i32 place = inOrder(bitsOf(value), true);
-                min = place < min ? place : min;
-                max = place > max ? place : max;
-                addMoments(part, {1, static_cast<double>(value), 0});
-              }
-              reinterpret_cast<u8*>(s.active)[r] = static_cast<u8>(active);
-            }
-            s.part[p] = part;
-            if (min <= max) {
-              minInto(&s.minValue, min);
-              maxInto(&s.maxValue, max);
-            }
-          }
-          team.sync();
-          if (team.rank() == 0) {
-            u64* head = reinterpret_cast<u64*>(&node);
-            head[0] = head[1] = 0;
-            leafBox(s.active, origin, reinterpret_cast<MaskLeaf&>(node));
-            for (int x = 0; x < 8; ++x)
-              head[2 + x] = s.active[x];
-            const Moments sum = sumParts(s);
-            setValues(node, valuesOf(s.minValue, s.maxValue, sum, true));
-            made.key[leaf] = key;
-            made.voxels[leaf] = countVoxels(s.active);
-            made.moments[leaf] = sum;
-          }
-          team.sync();
-        });
   }
 
   InsideMask insideMask() const {
     return {reinterpret_cast<const nanovdb::NanoGrid<nanovdb::ValueMask>*>(maskBytes_)};
   }
 
-  // All batches' arrays as one.
-  template <typename T>
-  T* joined(T* MadeLeaves::*array) {
-    T* all = b_.template alloc<T>(nodes_.leaves);
-    T* to = all;
-    for (const MadeLeaves& made : made_) {
-      copyWords(to, made.*array, made.count * sizeof(T));
-      to += made.count;
-    }
-    return all;
-  }
-  void copyWords(void* to, const void* from, u64 bytes) {
-    auto* target = static_cast<u64*>(to);
-    const auto* source = static_cast<const u64*>(from);
-    b_.forEach(
-        bytes / sizeof(u64), TETVDB_KERNEL(u64 i) { target[i] = source[i]; });
-  }
+  // Nodes of a level in tree order, also those of the level set that its fog has not.
+  struct Level {
+    u64 places = 0;            // nodes of the level set
+    const u64* key = nullptr;  // by place
+    const u32* kept = nullptr; // by place; null: all
+    LevelNodes nodes;          // those kept
+    u64 count = 0;             // of these
+  };
 
   // The nodes above the leaves, and the root's entries.
   void listNodes() {
     b_.stage("levels");
-    nodes_ = {};
-    for (const MadeLeaves& made : made_)
-      nodes_.leaves += made.count;
-    Pipeline<Backend>::checkCount(nodes_.leaves);
-    leaf_.key = joined(&MadeLeaves::key);
-    leaf_.voxels = joined(&MadeLeaves::voxels);
-    leaf_.moments = joined(&MadeLeaves::moments);
+    leaf_ = {};
+    leaf_.places = leaves_.count();
+    Pipeline<Backend>::checkCount(leaf_.places);
+    leaf_.key = leaves_.joined(&MadeLeaves::key);
+    if (job_.fog) {
+      fog_ = b_.template alloc<FogFindings>(1);
+      leaf_.kept = leaves_.withInside(fog_);
+      keep(leaf_);
+    } else {
+      leaf_.count = leaf_.places;
+      leaf_.nodes.key = leaf_.key;
+      leaf_.nodes.voxels = leaves_.joined(&MadeLeaves::voxels);
+      leaf_.nodes.moments = leaves_.joined(&MadeLeaves::moments);
+    }
     errors_ = b_.template alloc<u32>(1);
     b_.zero(errors_, sizeof *errors_);
-    nodes_.lowers = parents<4>(leaf_.key, nodes_.leaves, lower_, lowerMasks_);
-    nodes_.uppers = parents<5>(lower_.key, nodes_.lowers, upper_, upperMasks_);
+    parents<4>(leaf_, lower_, lowerMasks_);
+    parents<5>(lower_, upper_, upperMasks_);
     if (b_.read(errors_) != 0)
       throw std::logic_error("the solid's boundary is away from faces");
+    nodes_ = {0, upper_.count, lower_.count, leaf_.count};
     listRoots();
   }
 
-  // The parents of nodes with these keys, which ascend. Children that are no nodes are of one kind.
+  // Numbers the nodes that are kept.
+  void keep(Level& level) {
+    u64* index = b_.template alloc<u64>(level.places + 1);
+    b_.scan(level.kept, index, level.places);
+    level.count = b_.read(index + level.places);
+    u32* slots = b_.template alloc<u32>(level.count);
+    u64* keys = b_.template alloc<u64>(level.count);
+    const u32* kept = level.kept;
+    const u64* placeKeys = level.key;
+    b_.forEach(
+        level.places, TETVDB_KERNEL(u64 i) {
+          if (kept[i] == 0)
+            return;
+          slots[index[i]] = static_cast<u32>(i);
+          keys[index[i]] = placeKeys[i];
+        });
+    level.nodes.index = index;
+    level.nodes.nodeSlot = slots;
+    level.nodes.key = keys;
+    level.nodes.voxels = b_.template alloc<u64>(level.count);
+    level.nodes.moments = b_.template alloc<Moments>(level.count);
+    b_.dropTemporaries();
+  }
+
+  // The parents of nodes in tree order. Children that are no nodes are of one kind.
   template <int kLog2>
-  u64 parents(const u64* keys, u64 count, LevelNodes& nodes, NodeMasks<kLog2>& masks) {
+  void parents(const Level& children, Level& level, NodeMasks<kLog2>& masks) {
     constexpr int kLevel = kLog2 == 4 ? 1 : 2, kChildren = 1 << (3 * kLog2);
     using Masks = NodeMasks<kLog2>;
+    const u64 *keys = children.key, count = children.places;
+    const u32* kept = children.kept;
     const Groups groups = groupsOf(b_, keys, count, 3 * kLog2);
     u64* begin = b_.template alloc<u64>(groups.count + 1);
     u64* nodeKeys = b_.template alloc<u64>(groups.count);
@@ -409,6 +291,8 @@ public:
     const u32* head = groups.head;
     b_.forEach(
         count, TETVDB_KERNEL(u64 i) {
+          if (kept != nullptr && kept[i] == 0)
+            return;
           const u64 node = rank[i] + head[i] - 1, place = keys[i] & (kChildren - 1);
           orInto(child + node * Masks::kWords + place / 64, u64(1) << (place % 64));
         });
@@ -418,10 +302,10 @@ public:
     b_.forEach(
         groups.count * Masks::kWords, TETVDB_KERNEL(u64 w) {
           const u64 node = w / Masks::kWords, first = w % Masks::kWords * 64;
-          const u64 children = child[w];
+          const u64 nodes = child[w];
           u64 tiles = 0;
           for (u64 n = 0; n < 64; ++n) {
-            if ((children >> n & 1) != 0)
+            if ((nodes >> n & 1) != 0)
               continue;
             const u64 key = nodeKeys[node] << (3 * kLog2) | (first + n);
             i32 origin[3];
@@ -433,18 +317,44 @@ public:
           }
           tile[w] = tiles;
         });
-    nodes.nodeSlot = slots;
-    nodes.key = nodeKeys;
-    nodes.voxels = b_.template alloc<u64>(groups.count);
-    nodes.moments = b_.template alloc<Moments>(groups.count);
+    level = {};
+    level.places = groups.count;
+    level.key = nodeKeys;
+    if (job_.fog) {
+      level.kept = nodesWithin<kLog2>(masks, groups.count);
+      keep(level);
+      return;
+    }
+    level.count = groups.count;
+    level.nodes.nodeSlot = slots;
+    level.nodes.key = nodeKeys;
+    level.nodes.voxels = b_.template alloc<u64>(groups.count);
+    level.nodes.moments = b_.template alloc<Moments>(groups.count);
     b_.dropTemporaries();
-    return groups.count;
+  }
+
+  // Which nodes have children or tiles.
+  template <int kLog2>
+  const u32* nodesWithin(const NodeMasks<kLog2>& masks, u64 count) {
+    using Masks = NodeMasks<kLog2>;
+    u32* kept = b_.template alloc<u32>(count + 1);
+    b_.zero(kept, (count + 1) * sizeof(u32));
+    const u64 *child = masks.child, *tile = masks.tile;
+    FogFindings* fog = fog_;
+    b_.forEach(
+        count * Masks::kWords, TETVDB_KERNEL(u64 w) {
+          if ((child[w] | tile[w]) != 0)
+            orInto(kept + w / Masks::kWords, 1u);
+          if (kLog2 == 4 && tile[w] != 0)
+            orInto(&fog->anyTile, 1u);
+        });
+    return kept;
   }
 
   // Upper nodes, and what the mask has besides: all inside.
   void listRoots() {
     std::vector<u64> uppers(nodes_.uppers);
-    b_.download(uppers.data(), upper_.key, nodes_.uppers);
+    b_.download(uppers.data(), upper_.nodes.key, nodes_.uppers);
     std::vector<RootTile> tiles(maskLayout_.rootTiles);
     b_.download(tiles.data(),
                 reinterpret_cast<const RootTile*>(maskBytes_ + maskLayout_.root + sizeof(RootData)),
@@ -475,24 +385,37 @@ public:
     b_.stage("tree");
     layout_ = layoutOf(Kind::Float, nodes_);
     u8* buffer = b_.output(layout_.size);
-    u8* to = buffer + layout_.leafHere;
-    for (const MadeLeaves& made : made_) {
-      copyWords(to, made.leaves, made.count * sizeof(ValueLeaf));
-      to += made.count * sizeof(ValueLeaf);
-    }
+    if (job_.fog)
+      leaves_.writeFog(buffer + layout_.leafHere, fogDepth(), space_, leaf_.kept, leaf_.nodes);
+    else
+      leaves_.write(buffer + layout_.leafHere);
     RootEntry* roots = b_.template alloc<RootEntry>(roots_.size());
     b_.upload(roots, roots_.data(), roots_.size() * sizeof(RootEntry));
     const float background = band_.background;
-    GridWriter<Backend> writer(b_, space_, Kind::Float,
-                               {bitsOf(-background), bitsOf(background), true});
-    writer.take(leaf_, lower_, upper_, roots, roots_.size());
+    GridValues values{bitsOf(-background), bitsOf(background), true};
+    if (job_.fog) {
+      values = {bitsOf(1.0F), 0};
+      values.variedLeaves = true;
+    }
+    GridWriter<Backend> writer(b_, space_, Kind::Float, values);
+    writer.take(leaf_.nodes, lower_.nodes, upper_.nodes, roots, roots_.size());
     writer.writeInternal(buffer, layout_, {}, {}, lowerMasks_, upperMasks_);
     const double size[3] = {job_.voxelSize, job_.voxelSize, job_.voxelSize};
     writer.writeHead(
         buffer, layout_,
-        gridHeader(Kind::Float, nanovdb::GridClass::LevelSet, job_.name, size, job_.origin),
+        gridHeader(Kind::Float,
+                   job_.fog ? nanovdb::GridClass::FogVolume : nanovdb::GridClass::LevelSet,
+                   job_.name, size, job_.origin),
         writer.roots());
     return buffer;
+  }
+
+  // The value at which the fog is 1: fogDepth() of fields/FogVolume.h.
+  float fogDepth() const {
+    const FogFindings found = b_.read(fog_);
+    return found.anyTile != 0
+               ? -band_.background
+               : floatFrom(static_cast<u32>(inOrder(static_cast<u32>(found.least), true)));
   }
 
 private:
@@ -518,8 +441,9 @@ private:
   PlacedBand placed_;
   std::vector<u64> starts_;       // the host's copy of placed_.starts
   const u64* nodeKeys_ = nullptr; // of its nodes
-  std::vector<MadeLeaves> made_;
-  LevelNodes leaf_, lower_, upper_;
+  LevelSetLeaves<Backend> leaves_;
+  Level leaf_, lower_, upper_;
+  FogFindings* fog_ = nullptr; // the backend's
   NodeMasks<4> lowerMasks_;
   NodeMasks<5> upperMasks_;
   std::vector<RootEntry> roots_;

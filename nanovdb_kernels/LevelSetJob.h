@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The input of DeviceVoxelizer::levelSet(): a level set of a closed mesh, made on the device.
+// The input of DeviceVoxelizer::levelSet(): a level set of a closed mesh, or its fog, made on the
+// device.
 // Contains no type of CUDA or NanoVDB.
 #pragma once
 
@@ -20,6 +21,7 @@ struct LevelSetJob {
   /// null: to the mesh's faces, of tets its boundary, of triangles all, also those inside the
   /// solid.
   FacesView faces;
+  bool fog = false;             ///< makes the fog volume of the level set (fields/FogVolume.h)
   std::string name = "surface"; ///< at most 255 bytes
   bool resident = false;        ///< the mesh's arrays are in the device's memory
   bool download = true;         ///< false: the buffer stays on the device

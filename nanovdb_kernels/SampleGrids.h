@@ -145,7 +145,7 @@ public:
     const LatticePoint* points = pipeline_.points();
     const u32* tets = tets_;
     const u32* owners = ownerTable_;
-    const V background = backgroundOf<V>(gridValues);
+    const V background = valueFrom<V>(gridValues.background);
     const u64 *ownerMasks = ownerMasks_, *keys = leaves_.treeKey;
     u64 *masks = masks_, *leftOut = leftOut_;
     V* const table = reinterpret_cast<V*>(table_);

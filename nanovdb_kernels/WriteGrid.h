@@ -54,7 +54,7 @@ public:
   }
 
   /// Whether leaves have values of their own, whose sums their parents have.
-  bool valuesDiffer() const { return values_.varied || values_.narrowBand; }
+  bool valuesDiffer() const { return values_.varied || values_.narrowBand || values_.variedLeaves; }
 
   /// Writes the nodes. `buffer`: the share's memory, of l.sizeHere bytes.
   void writeTree(u8* buffer, const BufferLayout& l, const Entries& leaves,
@@ -281,8 +281,6 @@ public:
       memset(static_cast<void*>(&entry), 0, sizeof entry);
     entry.child = static_cast<i64>(distance);
   }
-  TETVDB_HD static void setInside(u32& value, const GridValues& values) { value = values.inside; }
-  TETVDB_HD static void setInside(Vector&, const GridValues&) {}
   // The statistics of a node whose active values are all the same.
   template <typename Node>
   TETVDB_HD static void setUniform(Node& node, Kind kind, const GridValues& values, const u32*) {
@@ -356,10 +354,8 @@ public:
               setChild<V>(node.mTable[i], toChildren + index * childSize);
               continue;
             }
-            V value = backgroundOf<V>(values);
-            if ((s.tile[i >> 6] & bit) != 0)
-              setInside(value, values);
-            setEntry(node.mTable[i], value);
+            const bool inside = (s.tile[i >> 6] & bit) != 0;
+            setEntry(node.mTable[i], valueFrom<V>(inside ? values.inside : values.background));
           }
           // Active tiles: their box, and how many.
           for (int w = team.rank(); w < kWords; w += team.size()) {
@@ -391,6 +387,11 @@ public:
             i32 high[3] = {-0x7FFFFFFF - 1, -0x7FFFFFFF - 1, -0x7FFFFFFF - 1};
             u64 sum = 0;
             Moments part{0, 0, 0};
+            if (values.variedLeaves && p == 0 && s.tiles != 0) {
+              const V value = valueFrom<V>(values.inside);
+              extremes.add(value, value, 0xFFFFFFFEu, isFloat);
+              addMoments(part, {s.tiles * tileVoxels, statisticOf(value, isFloat), 0});
+            }
             for (u64 j = first + static_cast<u64>(p); j < end; j += static_cast<u64>(parts)) {
               const u64 child = numberOf(j);
               if (numberOf(j + 1) != child) { // the entry is a node
@@ -526,13 +527,13 @@ public:
                   extremes.add(upper.mMinimum, upper.mMaximum, static_cast<u32>(j), isFloat);
                 }
               } else if (values.narrowBand) {
-                setInside(tile.value, values);
+                tile.value = valueFrom<V>(values.inside);
                 continue;
               } else {
                 tile.state = 1;
-                setInside(tile.value, values);
-                if (values.varied) {
-                  tile.value = tileValue<V>(values, entry.value);
+                tile.value =
+                    values.varied ? tileValue<V>(values, entry.value) : valueFrom<V>(values.inside);
+                if (differ) {
                   addMoments(part,
                              {static_cast<double>(voxels), statisticOf(tile.value, isFloat), 0});
                   extremes.add(tile.value, tile.value, static_cast<u32>(j), isFloat);
@@ -560,7 +561,7 @@ public:
               root.mBBox[1][a] = empty ? -0x7FFFFFFF - 1 : s.high[a];
             }
             root.mTableSize = static_cast<u32>(l.rootTiles);
-            root.mBackground = backgroundOf<V>(values);
+            root.mBackground = valueFrom<V>(values.background);
             if (empty)
               root.mMinimum = root.mMaximum = root.mBackground;
             else if (differ)

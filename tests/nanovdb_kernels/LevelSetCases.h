@@ -5,6 +5,7 @@
 
 #include "BandCases.h"
 #include "SoupCases.h"
+#include "tetvdb/fields/FogVolume.h"
 
 namespace tetvdb {
 
@@ -30,6 +31,25 @@ inline BandCase bandOf(const TriangleMesh& mesh, FillRule rule, const GridTransf
   band.transform = transform;
   band.halfWidth = halfWidth;
   return band;
+}
+
+/// hash() of the CPU's fog.
+inline std::string fogHash(const BandCase& band) {
+  Progress progress;
+  const openvdb::FloatGrid::Ptr grid =
+      levelSet(band.mesh, band.faces, *band.inside, band.transform, band.halfWidth, band.shell,
+               rasterizeBand, progress);
+  makeFog(*grid, fogDepth(*grid));
+  auto grids = std::make_shared<GridSet>();
+  grids->all.push_back(grid);
+  return hash(Volume(std::move(grids)));
+}
+
+/// The job for the fog of the level set of `job`.
+inline nano::LevelSetJob fogJobOf(nano::LevelSetJob job) {
+  job.fog = true;
+  job.name = "fog";
+  return job;
 }
 
 } // namespace tetvdb

@@ -22,10 +22,10 @@ struct Sums {
   double count = 0, sum = 0, squares = 0;
   float min = 1e30f, max = -1e30f;
 
-  void add(float v) {
-    ++count;
-    sum += v;
-    squares += double(v) * v;
+  void add(float v, double voxels = 1) {
+    count += voxels;
+    sum += voxels * v;
+    squares += voxels * v * v;
     min = std::min(min, v);
     max = std::max(max, v);
   }
@@ -84,9 +84,68 @@ void expectStatistics(const nano::Result& result) {
   EXPECT_EQ(grid.indexBBox(), whole);
 }
 
+// The sums of a node of fog, whose active tiles have the value 1.
+template <typename Node>
+void addTiles(const Node& node, double voxels, Sums& sums) {
+  for (auto tile = node.beginValueOn(); tile; ++tile) {
+    EXPECT_EQ(*tile, 1);
+    sums.add(*tile, voxels);
+  }
+}
+
+// Every node's statistics.
+void expectFog(const nano::Result& result) {
+  const auto& grid = *reinterpret_cast<const Grid*>(result.bytes);
+  EXPECT_EQ(grid.gridClass(), nanovdb::GridClass::FogVolume);
+  EXPECT_EQ(grid.gridSize(), result.counts.bufferBytes);
+  const auto& tree = grid.tree();
+  EXPECT_EQ(tree.background(), 0);
+  Sums all;
+  nanovdb::CoordBBox unused;
+  std::uint64_t nodes[3] = {};
+  const auto addLower = [&](const auto& lower, Sums& sums) {
+    for (auto leaf = lower.beginChild(); leaf; ++leaf) {
+      Sums ofLeaf;
+      addLeaf(*leaf, ofLeaf, unused);
+      EXPECT_GT(ofLeaf.count, 0);
+      ofLeaf.expect(*leaf->data());
+      addLeaf(*leaf, sums, unused);
+      ++nodes[0];
+    }
+    addTiles(lower, 512, sums);
+    ++nodes[1];
+  };
+  for (std::uint32_t i = 0; i < tree.nodeCount(2); ++i) {
+    Sums sums;
+    const auto& upper = tree.getFirstNode<2>()[i];
+    for (auto lower = upper.beginChild(); lower; ++lower) {
+      Sums ofLower;
+      addLower(*lower, ofLower);
+      EXPECT_GT(ofLower.count, 0);
+      ofLower.expect(*lower->data());
+      addLower(*lower, sums);
+    }
+    addTiles(upper, double(1 << 21), sums);
+    EXPECT_GT(sums.count, 0);
+    sums.expect(*upper.data());
+    all.count += sums.count;
+    ++nodes[2];
+  }
+  EXPECT_EQ(nodes[0], 2 * tree.nodeCount(0)); // visited twice each
+  EXPECT_EQ(nodes[1], 2 * tree.nodeCount(1));
+  EXPECT_EQ(nodes[2], tree.nodeCount(2));
+  const double atRoot = double(tree.activeTileCount(3)) * std::pow(2.0, 36);
+  EXPECT_EQ(double(grid.activeVoxelCount()), all.count + atRoot);
+}
+
 template <typename Mesh>
 nano::Result expectSame(nano::HostTwin& twin, const Mesh& mesh, const BandCase& band,
                         nano::LevelSetJob job) {
+  const nano::Result fog = twin.levelSet(viewOf(mesh), fogJobOf(job));
+  EXPECT_EQ(hashOf(fog), fogHash(band));
+  EXPECT_EQ(reinterpret_cast<const Grid*>(fog.bytes)->activeVoxelCount(),
+            band.inside->activeVoxelCount());
+  expectFog(fog);
   const nano::Result result = twin.levelSet(viewOf(mesh), job);
   EXPECT_NE(result.bytes, nullptr);
   EXPECT_EQ(hashOf(result), levelSetHash(band, rasterizeBand));
@@ -117,6 +176,15 @@ TEST(LevelSetGrid, TilesOfAllLevels) {
   const auto& tree = reinterpret_cast<const Grid*>(made.bytes)->tree();
   EXPECT_EQ(tree.getValue({100, 100, 4000}), -3); // of a tile of the size of a leaf or a node
   EXPECT_EQ(tree.getValue({1000, 100, 4000}), 3);
+}
+
+// Nodes of the level set that have no leaf of fog, and leaves that have none of its voxels inside.
+TEST(LevelSetGrid, SidesOnCentresAtTheEndOfLeaves) {
+  const TetMesh box = meshes::mapped(kuhnGrid(1, 1, 1), [](const Vec3d& p) {
+    return Vec3d{-300 + 364 * p[0], -300 + 600 * p[1], -300 + 600 * p[2]};
+  });
+  expectTets(box, {}, 1);
+  expectTets(meshes::scaled(kuhnGrid(1, 1, 1), 64), {}, 1);
 }
 
 // A rod across whole upper nodes.

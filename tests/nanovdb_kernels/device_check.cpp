@@ -185,10 +185,13 @@ void compareLevelSets(Device& device, const std::string& name, const Mesh& mesh,
     const nano::Result made = device.levelSet(viewOf(mesh), job);
     expect(made.bytes != nullptr && hashOf(made) == levelSetHash(band, rasterizeBand), what);
     expect(made.counts.insideVoxels == band.inside->activeVoxelCount(), what + ": inside");
-    if (!twinToo)
-      return;
     nano::HostTwin twin;
-    expect(sameBytes(twin.levelSet(viewOf(mesh), job), made), what + ": twin");
+    if (twinToo)
+      expect(sameBytes(twin.levelSet(viewOf(mesh), job), made), what + ": twin");
+    const nano::Result fog = device.levelSet(viewOf(mesh), fogJobOf(job));
+    expect(fog.bytes != nullptr && hashOf(fog) == fogHash(band), what + ": fog");
+    if (twinToo)
+      expect(sameBytes(twin.levelSet(viewOf(mesh), fogJobOf(job)), fog), what + ": fog's twin");
   } catch (const std::exception& e) {
     expect(false, what + ": " + e.what());
   }

@@ -5,6 +5,7 @@
 #include "tetvdb/fields/DistanceOnDevice.h"
 #include "tetvdb/fields/ShapeSolid.h"
 #include "tetvdb/mesh/CheckMesh.h"
+#include "tetvdb/volume/NanoGrids.h"
 #include "tetvdb/voxelize/RunOnDevice.h"
 #include "tetvdb/voxelize/TreeEstimate.h"
 #include "tetvdb/voxelize/ViewOfMesh.h"
@@ -18,12 +19,21 @@ namespace {
 
 using Devices = std::shared_ptr<const BorrowedDevices>;
 
-// use(devices, result) with the level set of a mesh whose faces, not trimmed, are those of
-// makeSolid(); none where the CPU has to make it.
+nano::Result levelSetBy(const Devices& devices, const nano::MeshView& mesh,
+                        const nano::LevelSetJob& job, Progress& progress) {
+  const nano::Result made = (**devices).levelSet(mesh, job, progress);
+  if (made.bytes == nullptr && made.device == nullptr)
+    throw std::logic_error("a mesh that closes is open on the device");
+  return made;
+}
+
+// use(devices, mesh, job) with the job of the level set of a mesh whose faces, not trimmed, are
+// those of makeSolid(); none where the CPU has to make it.
 template <typename Mesh, typename MakeSolid, typename Use>
 auto makeOn(const Mesh& mesh, const MakeSolid& makeSolid, const GridTransform& transform,
             const ShapeOptions& options, ShapeSums& sums, Report& report, Progress& progress,
-            bool downloads, const Use& use) -> decltype(use(Devices(), nano::Result())) {
+            const Use& use) -> decltype(use(Devices(), nano::MeshView(), nano::LevelSetJob())) {
+  using Made = decltype(use(Devices(), nano::MeshView(), nano::LevelSetJob()));
   if (options.halfWidth == kWholeBox)
     return {};
   checkShapes(options, transform.voxelSize);
@@ -41,8 +51,6 @@ auto makeOn(const Mesh& mesh, const MakeSolid& makeSolid, const GridTransform& t
   const bool trimmed = trimShape(solid, sums.trim, report, progress);
   nano::LevelSetJob job = levelSetJobFor(transform, options.halfWidth);
   job.rule = *solid.rule;
-  job.name = infoOf(GridKind::Surface).name;
-  job.download = downloads;
   if (trimmed)
     job.faces = facesViewOf(solid.mesh, solid.faces);
   DeviceQuestion question;
@@ -53,44 +61,56 @@ auto makeOn(const Mesh& mesh, const MakeSolid& makeSolid, const GridTransform& t
         timer.part("start");
         const Devices devices(new BorrowedDevices(start()));
         timer.part("level set");
-        const nano::Result made = (**devices).levelSet(viewOf(mesh), job, progress);
-        if (made.bytes == nullptr && made.device == nullptr)
-          throw std::logic_error("a mesh that closes is open on the device");
-        return use(devices, made);
+        return use(devices, viewOf(mesh), job);
       },
-      [] { return decltype(use(Devices(), nano::Result()))(); });
+      [] { return Made(); });
 }
 
-std::optional<NanoBytes> withBytes(const Devices& devices, const nano::Result& made) {
-  return NanoBytes{{devices, made.bytes}, made.counts.bufferBytes, made.counts.insideVoxels};
+// The grids of `kinds`, one after the other.
+auto gridsOf(const std::vector<GridKind>& kinds, Progress& progress) {
+  return [&](const Devices& devices, const nano::MeshView& mesh, nano::LevelSetJob job) {
+    std::vector<NanoBytes> grids;
+    for (const GridKind kind : kinds) {
+      if (!grids.empty()) // it is in memory that the device is about to use again
+        grids.back() = copyOf(grids.back());
+      job.fog = kind == GridKind::Fog;
+      job.name = infoOf(kind).name;
+      const nano::Result made = levelSetBy(devices, mesh, job, progress);
+      grids.push_back({{devices, made.bytes}, made.counts.bufferBytes, made.counts.insideVoxels});
+    }
+    return grids;
+  };
 }
 
 } // namespace
 
-std::optional<NanoBytes> levelSetOnDevice(const TetMesh& mesh, const GridTransform& transform,
-                                          const ShapeOptions& options, ShapeSums& sums,
-                                          Report& report, Progress& progress) {
+std::vector<NanoBytes> levelSetsOnDevice(const TetMesh& mesh, const GridTransform& transform,
+                                         const ShapeOptions& options, ShapeSums& sums,
+                                         Report& report, Progress& progress) {
   return makeOn(
       mesh, [&] { return shapeSolid(mesh, transform, progress); }, transform, options, sums, report,
-      progress, true, withBytes);
+      progress, gridsOf(options.grids, progress));
 }
 
-std::optional<NanoBytes> levelSetOnDevice(const TriangleMesh& mesh, const SolidOptions& how,
-                                          const GridTransform& transform,
-                                          const ShapeOptions& options, ShapeSums& sums,
-                                          Report& report, Progress& progress) {
+std::vector<NanoBytes> levelSetsOnDevice(const TriangleMesh& mesh, const SolidOptions& how,
+                                         const GridTransform& transform,
+                                         const ShapeOptions& options, ShapeSums& sums,
+                                         Report& report, Progress& progress) {
   if (how.shell > 0)
     return {};
   return makeOn(
       mesh, [&] { return shapeSolid(mesh, how, false, transform, progress); }, transform, options,
-      sums, report, progress, true, withBytes);
+      sums, report, progress, gridsOf(options.grids, progress));
 }
 
 std::shared_ptr<nano::DeviceArray>
 distancesOnDevice(const TriangleMesh& mesh, const GridTransform& transform, const VoxelBox& box,
                   const ShapeOptions& options, Report& report, Progress& progress) {
   ShapeSums sums;
-  const auto expand = [&](const Devices& devices, const nano::Result& made) {
+  const auto expand = [&](const Devices& devices, const nano::MeshView& view,
+                          nano::LevelSetJob job) {
+    job.download = false;
+    const nano::Result made = levelSetBy(devices, view, job, progress);
     std::shared_ptr<nano::DeviceArray> array;
     if (made.counts.insideVoxels == 0)
       return array;
@@ -102,7 +122,7 @@ distancesOnDevice(const TriangleMesh& mesh, const GridTransform& transform, cons
   };
   return makeOn(
       mesh, [&] { return shapeSolid(mesh, SolidOptions(), false, transform, progress); }, transform,
-      options, sums, report, progress, false, expand);
+      options, sums, report, progress, expand);
 }
 
 } // namespace tetvdb

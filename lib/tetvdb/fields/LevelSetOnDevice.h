@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The level set of addShapeGrids() as NanoVDB, made on a GPU. Internal.
+// The level set of addShapeGrids() and its fog as NanoVDB, made on a GPU. Internal.
 #pragma once
 
 #include "tetvdb/fields/ShapeGrids.h"
 #include "tetvdb/volume/NanoBytes.h"
 
 #include <memory>
-#include <optional>
+#include <vector>
 
 namespace tetvdb {
 
@@ -15,18 +15,18 @@ namespace nano {
 class DeviceArray;
 }
 
-/// The grid "surface" of addShapeGrids() with these arguments, made on the device of
-/// options.device, which has made the mask of the same mesh with `transform`. None where the CPU
-/// has to make it: a whole box, shells, InsideRule::Flood, open meshes; and for DeviceKind::Auto
+/// The grids of addShapeGrids() with these arguments, "surface" and "fog" alone, made on the device
+/// of options.device, which has made the mask of the same mesh with `transform`. None where the CPU
+/// has to make them: a whole box, shells, InsideRule::Flood, open meshes; and for DeviceKind::Auto
 /// where the device fails or has too little memory, with the warning "device-left". Adds stage
 /// "fields" to `report`. `sums` receives the counts. Throws as addShapeGrids() does.
-std::optional<NanoBytes> levelSetOnDevice(const TetMesh& mesh, const GridTransform& transform,
-                                          const ShapeOptions& options, ShapeSums& sums,
-                                          Report& report, Progress& progress);
-std::optional<NanoBytes> levelSetOnDevice(const TriangleMesh& mesh, const SolidOptions& solid,
-                                          const GridTransform& transform,
-                                          const ShapeOptions& options, ShapeSums& sums,
-                                          Report& report, Progress& progress);
+std::vector<NanoBytes> levelSetsOnDevice(const TetMesh& mesh, const GridTransform& transform,
+                                         const ShapeOptions& options, ShapeSums& sums,
+                                         Report& report, Progress& progress);
+std::vector<NanoBytes> levelSetsOnDevice(const TriangleMesh& mesh, const SolidOptions& solid,
+                                         const GridTransform& transform,
+                                         const ShapeOptions& options, ShapeSums& sums,
+                                         Report& report, Progress& progress);
 
 /// The values of that level set of triangles at the voxels of `box` as floats in the memory of the
 /// only device of options.device, [x][y][z]. Null where there is no such level set or no voxel is

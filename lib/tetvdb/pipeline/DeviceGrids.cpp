@@ -16,7 +16,7 @@ std::vector<NanoBytes>* nanoPlace(const VoxelizeJob& job, std::vector<NanoBytes>
   const auto byDevice = [&](GridKind kind) {
     const GridMaker maker = infoOf(kind).maker;
     return maker == GridMaker::Occupancy || maker == GridMaker::Owner ||
-           (kind == GridKind::Surface && !isWholeBox(job));
+           (maker == GridMaker::Distance && !isWholeBox(job));
   };
   return std::filesystem::path(job.output).extension() == ".nvdb" && job.tileSize == 0 &&
                  job.levels.isEmpty() &&
@@ -26,19 +26,19 @@ std::vector<NanoBytes>* nanoPlace(const VoxelizeJob& job, std::vector<NanoBytes>
              : nullptr;
 }
 
-bool addLevelSet(std::vector<NanoBytes>& nano, bool keepMask,
-                 const std::function<std::optional<NanoBytes>()>& makeLevelSet,
-                 Voxelization& made) {
+bool addLevelSets(std::vector<NanoBytes>& nano, bool keepMask,
+                  const std::function<std::vector<NanoBytes>()>& makeLevelSets,
+                  Voxelization& made) {
   // It is in memory that the device is about to use again.
   nano.back() = copyOf(nano.back());
-  std::optional<NanoBytes> surface = makeLevelSet();
-  if (!surface) {
+  const std::vector<NanoBytes> grids = makeLevelSets();
+  if (grids.empty()) {
     makeTrees(nano, made);
     return false;
   }
   if (!keepMask)
     nano.pop_back();
-  nano.push_back(std::move(*surface));
+  nano.insert(nano.end(), grids.begin(), grids.end());
   return true;
 }
 

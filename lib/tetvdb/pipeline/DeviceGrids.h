@@ -9,7 +9,6 @@
 #include "tetvdb/voxelize/Voxelize.h"
 
 #include <functional>
-#include <optional>
 #include <vector>
 
 namespace tetvdb {
@@ -17,11 +16,11 @@ namespace tetvdb {
 /// `nano` where all grids of the job can be written as a device makes them, else null.
 std::vector<NanoBytes>* nanoPlace(const VoxelizeJob& job, std::vector<NanoBytes>& nano);
 
-/// Adds the level set of makeLevelSet(), which the device makes, to its other grids, of which the
-/// last is the mask that is not wanted unless `keepMask`. If makeLevelSet() returns none, the grids
-/// become those of `made` in place of `nano`. Returns whether there is one.
-bool addLevelSet(std::vector<NanoBytes>& nano, bool keepMask,
-                 const std::function<std::optional<NanoBytes>()>& makeLevelSet, Voxelization& made);
+/// Adds the grids of makeLevelSets(), which the device makes, to its other grids, of which the last
+/// is the mask that is not wanted unless `keepMask`. If makeLevelSets() returns none, the grids
+/// become those of `made` in place of `nano`. Returns whether there are some.
+bool addLevelSets(std::vector<NanoBytes>& nano, bool keepMask,
+                  const std::function<std::vector<NanoBytes>()>& makeLevelSets, Voxelization& made);
 
 /// Makes OpenVDB's grids of `nano`, which becomes empty, and adds them to `made`.
 void makeTrees(std::vector<NanoBytes>& nano, Voxelization& made);

@@ -203,12 +203,12 @@ Volume makeVolume(const VoxelizeJob& job, const std::vector<NanoBytes>& nano,
 }
 
 // The grids of `voxelizeMesh` and then those of shapesOf(job), which `addShapes` makes with the
-// mask, or the level set alone which `makeLevelSet` makes on the device that has made the others,
-// which are in `nano` then. A thin mesh can fill parts of voxels, and none of their centres.
-template <typename Voxelize, typename AddShapes, typename MakeLevelSet>
+// mask, or `makeLevelSets` on the device that has made the others, which are in `nano` then. A thin
+// mesh can fill parts of voxels, and none of their centres.
+template <typename Voxelize, typename AddShapes, typename MakeLevelSets>
 Voxelization withShapes(const VoxelizeJob& job, VoxelizeOptions options,
                         const Voxelize& voxelizeMesh, const AddShapes& addShapes,
-                        const MakeLevelSet& makeLevelSet, std::vector<NanoBytes>* nano) {
+                        const MakeLevelSets& makeLevelSets, std::vector<NanoBytes>* nano) {
   ShapeOptions shapes = shapesOf(job);
   if (shapes.grids.empty())
     return voxelizeMesh(options);
@@ -224,8 +224,8 @@ Voxelization withShapes(const VoxelizeJob& job, VoxelizeOptions options,
   if (const int side = job.voxelize.fit.voxels; side > 0)
     shapes.box = VoxelBox{{0, 0, 0}, {side - 1, side - 1, side - 1}};
   if (nano != nullptr && !nano->empty() &&
-      addLevelSet(
-          *nano, hasMask, [&] { return makeLevelSet(shapes, made.transform); }, made))
+      addLevelSets(
+          *nano, hasMask, [&] { return makeLevelSets(shapes, made.transform); }, made))
     return made;
   addShapes(shapes, made);
   openvdb::GridPtrVec& grids = made.volume.grids().all;
@@ -266,7 +266,7 @@ Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
           result.shapes = addShapeGrids(mesh, shapes, sofar, report, progress);
         },
         [&](const ShapeOptions& shapes, const GridTransform& transform) {
-          return levelSetOnDevice(mesh, transform, shapes, result.shapes, report, progress);
+          return levelSetsOnDevice(mesh, transform, shapes, result.shapes, report, progress);
         },
         nano);
   }
@@ -483,10 +483,10 @@ private:
                                     : addShapes(shapes, made);
         },
         [&](const ShapeOptions& shapes, const GridTransform& transform) {
-          return byTets() ? levelSetOnDevice(tets_, transform, shapes, result_.shapes, report_,
-                                             progress_)
-                          : levelSetOnDevice(meshes_.front(), job_.solid, transform, shapes,
-                                             result_.shapes, report_, progress_);
+          return byTets() ? levelSetsOnDevice(tets_, transform, shapes, result_.shapes, report_,
+                                              progress_)
+                          : levelSetsOnDevice(meshes_.front(), job_.solid, transform, shapes,
+                                              result_.shapes, report_, progress_);
         },
         nanoPlace(job_, nano_));
   }

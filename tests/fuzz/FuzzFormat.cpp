@@ -8,6 +8,7 @@
 #include "tetvdb/io/Formats.h"
 #include "tetvdb/io/MeshReader.h"
 #include "tetvdb/io/formats/ensight/EnsightReader.h"
+#include "tetvdb/io/formats/openfoam/OpenFoamReader.h"
 #include "tetvdb/io/formats/tetgen/TetGenReader.h"
 #include "tetvdb/io/formats/threemf/ThreeMfModel.h"
 #include "tetvdb/io/source/Source.h"
@@ -35,6 +36,10 @@ bool readInsteadOfFile(std::string_view bytes, Report& report, Progress& progres
   }
   if (kFuzzedFormat == FileFormat::Ensight && sniffFormat(bytes, "fuzz.geo") != kFuzzedFormat) {
     splitCells(ensight::readGeometry({bytes, "fuzz.geo"}, {}, progress), {}, report, progress);
+    return true;
+  }
+  if (kFuzzedFormat == FileFormat::OpenFoam) { // a case is a folder of files
+    splitCells(openfoam::readTexts(bytes, report, progress), {}, report, progress);
     return true;
   }
   if (kFuzzedFormat == FileFormat::ThreeMf &&

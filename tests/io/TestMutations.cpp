@@ -4,6 +4,7 @@
 #include "TestScale.h"
 #include "io/ResultSamples.h"
 #include "io/TriangleSamples.h"
+#include "io/formats/openfoam/FoamSample.h"
 #include "tetvdb/io/cells/CellFaces.h"
 #include "tetvdb/io/formats/abaqus/AbaqusReader.h"
 #include "tetvdb/io/formats/avs/UcdReader.h"
@@ -227,6 +228,12 @@ TEST(Mutations, Results) {
     attack(neuFile(byRows), kSmall, with(readNeu));
   attack(su2File(), kSmall, with(readSu2));
   attack(unvFile(), kSmall, with(readUnv));
+  for (const FoamForm& form : {FoamForm{}, FoamForm{true, 8, 4, true}})
+    attack(foamTexts(form), kSmall, [](const std::string& bytes) {
+      Report report;
+      Progress progress;
+      splitAll(openfoam::readTexts(bytes, report, progress));
+    });
   const auto readPart = [](const std::string& bytes) {
     Progress progress;
     const CellMesh mesh = ensight::readGeometry({bytes, "file"}, {}, progress);

@@ -448,29 +448,124 @@ TEST(SplitPolyhedron, FacesNeedNoCommonOrientation) {
   EXPECT_NEAR(absoluteVolume(split(mesh)), 1, 1e-15);
 }
 
-TEST(SplitPolyhedron, OpenOrConcaveOnesAreSkipped) {
-  // A cube with its top pushed in: a little, and all faces are still seen from the corner at 0.
-  std::vector<Vec3d> points = kCube;
-  points.push_back({0.5, 0.5, 0.6});
-  const Nodes dented{9, 4, 0, 3, 2, 1, 4, 0, 1, 5, 4, 4, 1, 2, 6, 5, 4, 2, 3, 7, 6,
-                     4, 3, 0, 4, 7, 3, 4, 5, 8, 3, 5, 6, 8, 3, 6, 7, 8, 3, 7, 4, 8};
-  std::vector<std::uint32_t> tets;
-  EXPECT_TRUE(splitPolyhedron(polyhedronFaces(dented.data(), dented.size()), points, tets));
-  TetMesh mesh;
-  mesh.points = points;
-  mesh.tets = tets;
-  EXPECT_NEAR(absoluteVolume(mesh), 1 - 0.4 / 3, 1e-15);
-  // Further, and the far side of the dent is hidden.
-  points[8] = {0.5, 0.5, 0.1};
-  tets.clear();
-  EXPECT_FALSE(splitPolyhedron(polyhedronFaces(dented.data(), dented.size()), points, tets));
+// A cube with its top pushed in to vertex 8.
+Nodes dentedCube() {
+  return {9, 4, 0, 3, 2, 1, 4, 0, 1, 5, 4, 4, 1, 2, 6, 5, 4, 2, 3, 7, 6,
+          4, 3, 0, 4, 7, 3, 4, 5, 8, 3, 5, 6, 8, 3, 6, 7, 8, 3, 7, 4, 8};
+}
 
+struct Cut {
+  PolyhedronCut how;
+  TetMesh mesh;
+};
+
+Cut cutOf(const Nodes& nodes, std::vector<Vec3d> points) {
+  Cut cut{PolyhedronCut::None, {}};
+  cut.how =
+      PolyhedronCutter(points).cut(polyhedronFaces(nodes.data(), nodes.size()), cut.mesh.tets);
+  cut.mesh.points = std::move(points);
+  return cut;
+}
+
+TEST(SplitPolyhedron, DentedOnesGetAPointWithin) {
+  std::vector<Vec3d> points = kCube;
+  // A little, and all faces are still seen from the corner at 0.
+  points.push_back({0.5, 0.5, 0.6});
+  const Cut little = cutOf(dentedCube(), points);
+  EXPECT_EQ(little.how, PolyhedronCut::FromVertex);
+  EXPECT_EQ(little.mesh.points.size(), 9u);
+  EXPECT_NEAR(absoluteVolume(little.mesh), 1 - 0.4 / 3, 1e-15);
+  // The far sides of the dent are hidden from a smallest vertex on the rim, not from the mean.
+  points[8] = {0.5, 0.5, 0.8};
+  points[4] = {-0.01, 0, 1};
+  const Cut around = cutOf(dentedCube(), points);
+  EXPECT_EQ(around.how, PolyhedronCut::AroundCentre);
+  EXPECT_EQ(around.mesh.points.size(), 10u);
+  // Through the dent, and tets are inverted, but none reaches out of the cell's hull.
+  points = kCube;
+  points.push_back({0.5, 0.5, 0.1});
+  const Cut deep = cutOf(dentedCube(), points);
+  EXPECT_EQ(deep.how, PolyhedronCut::Concave);
+  double sum = 0;
+  for (std::size_t t = 0; t < deep.mesh.tetCount(); ++t) {
+    const std::uint32_t* v = deep.mesh.tets.data() + 4 * t;
+    const auto& p = deep.mesh.points;
+    sum += sixfoldVolume(p[v[0]], p[v[1]], p[v[2]], p[v[3]]) / 6;
+  }
+  EXPECT_NEAR(std::abs(sum), 1 - 0.9 / 3, 1e-14);
+}
+
+TEST(SplitPolyhedron, OpenOnesAreSkipped) {
   Nodes open = polyhedronCube(identity(8));
   open[0] = 5;
   open.resize(26);
-  tets.clear();
-  EXPECT_FALSE(splitPolyhedron(polyhedronFaces(open.data(), open.size()), kCube, tets));
-  EXPECT_TRUE(tets.empty());
+  const Cut cut = cutOf(open, kCube);
+  EXPECT_EQ(cut.how, PolyhedronCut::None);
+  EXPECT_TRUE(cut.mesh.tets.empty());
+}
+
+// Two prisms over a pentagon that is not flat, in one mesh: they share the pentagon, and its point.
+TEST(SplitPolyhedron, NeighboursShareThePointOfAFace) {
+  std::vector<Vec3d> points;
+  for (const double z : {0.0, 1.0, 2.0})
+    for (int i = 0; i < 5; ++i)
+      points.push_back({std::cos(i * 1.2566370614359172), std::sin(i * 1.2566370614359172),
+                        z + (z == 1 && i == 2 ? 0.3 : 0)});
+  const auto prism = [](std::uint32_t first) {
+    Nodes nodes{7};
+    for (const std::uint32_t base : {first, first + 5}) {
+      nodes.push_back(5);
+      for (std::uint32_t i = 0; i < 5; ++i)
+        nodes.push_back(base + i);
+    }
+    for (std::uint32_t i = 0; i < 5; ++i) {
+      const std::uint32_t next = (i + 1) % 5;
+      nodes.insert(nodes.end(), {4, first + i, first + next, first + 5 + next, first + 5 + i});
+    }
+    return nodes;
+  };
+  CellMesh mesh;
+  mesh.points = points;
+  for (const std::uint32_t first : {0u, 5u}) {
+    const Nodes nodes = prism(first);
+    addCell(mesh, CellType::Polyhedron, nodes, "polyhedron");
+  }
+  std::vector<double> x, one(15, 0.1);
+  std::vector<std::int32_t> number;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    x.push_back(points[i][0] - 2 * points[i][2]);
+    number.push_back(static_cast<std::int32_t>(i));
+  }
+  mesh.attributes.push_back({"x", Attribute::On::Points, 1, x});
+  mesh.attributes.push_back({"one", Attribute::On::Points, 1, one});
+  mesh.attributes.push_back({"number", Attribute::On::Points, 1, number});
+  const TetMesh tets = split(mesh);
+  // Every inner triangle belongs to two tets, so that the two cells fit.
+  std::map<std::array<std::uint32_t, 3>, int> faces;
+  for (std::size_t t = 0; t < tets.tetCount(); ++t)
+    for (int left = 0; left < 4; ++left) {
+      std::array<std::uint32_t, 3> face{};
+      std::size_t n = 0;
+      for (int k = 0; k < 4; ++k)
+        if (k != left)
+          face[n++] = tets.tets[4 * t + static_cast<std::size_t>(k)];
+      std::sort(face.begin(), face.end());
+      ++faces[face];
+    }
+  std::size_t outer = 0;
+  for (const auto& [face, count] : faces) {
+    EXPECT_LE(count, 2);
+    outer += count == 1 ? 1 : 0;
+  }
+  EXPECT_EQ(outer, 2 * 3u + 2 * 10u); // two flat pentagons, ten quadrilaterals
+  const double area = 2.5 * std::sin(1.2566370614359172);
+  EXPECT_NEAR(absoluteVolume(tets), 2 * area, 1e-12);
+  EXPECT_EQ(tets.points.size(), 18u); // the face's, and the two cells'
+  for (std::size_t i = 0; i < tets.points.size(); ++i) {
+    EXPECT_NEAR(tets.attributes[0].number(i), tets.points[i][0] - 2 * tets.points[i][2], 1e-12);
+    EXPECT_EQ(tets.attributes[1].number(i), 0.1);
+    EXPECT_LT(tets.attributes[2].number(i), 15);
+  }
 }
 
 TEST(SplitPolyhedron, ContradictoryNumbersHaveNoFaces) {

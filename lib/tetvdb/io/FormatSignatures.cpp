@@ -279,6 +279,12 @@ bool isSu2(const FileStart& file) {
   return isText(file.head) && (contains(file.head, "NDIME=") || contains(file.head, "NDIME ="));
 }
 
+/// A `controlDict`; a .foam file is known by its name.
+bool isOpenFoam(const FileStart& file) {
+  return isText(file.head) && contains(file.head, "FoamFile") &&
+         contains(file.head, "controlDict");
+}
+
 /// A line "-1", and one with a number.
 bool isUnv(const FileStart& file) {
   NumberParser in(file.head, "");

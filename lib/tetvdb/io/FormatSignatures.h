@@ -53,6 +53,7 @@ bool isEnsight(const FileStart& file);
 bool isFrd(const FileStart& file);
 bool isNeu(const FileStart& file);
 bool isSu2(const FileStart& file);
+bool isOpenFoam(const FileStart& file);
 bool isUnv(const FileStart& file);
 bool isXdmf(const FileStart& file);
 bool isExodus(const FileStart& file);

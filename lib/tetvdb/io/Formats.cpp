@@ -26,6 +26,7 @@
 #include "tetvdb/io/formats/obj/ObjWriter.h"
 #include "tetvdb/io/formats/off/OffReader.h"
 #include "tetvdb/io/formats/off/OffWriter.h"
+#include "tetvdb/io/formats/openfoam/OpenFoamReader.h"
 #include "tetvdb/io/formats/ply/PlyReader.h"
 #include "tetvdb/io/formats/ply/PlyWriter.h"
 #include "tetvdb/io/formats/stl/StlReader.h"
@@ -227,6 +228,11 @@ std::vector<Format> makeTable() {
                                       neuHasSolidCells));
   all.push_back(cellsOrFaces<readSu2>(FileFormat::Su2, "SU2 .su2", ".su2",
                                       "Meshes of the flow solver SU2", 0, isSu2, su2HasSolidCells));
+  all.push_back(cells(FileFormat::OpenFoam, "OpenFOAM", ".foam .openfoam",
+                      "The case in the file's folder, or a system/controlDict",
+                      kTets | kArrays | kSteps, isOpenFoam, readOpenFoam));
+  all.back().isNamed = isAny;
+  all.back().readTimes = openFoamTimes;
   all.push_back(cellsOrFaces<readUnv>(FileFormat::Unv, "I-DEAS .unv", ".unv",
                                       "Universal files, as of Salome and NX", 0, isUnv,
                                       unvHasSolidCells));

@@ -285,9 +285,9 @@ void cutCurved(CellMesh& mesh, const Chooser& chooser, TetMesh& result, Tally& t
       cutter.addValues(array);
 }
 
-void refuseAbove(std::uint64_t tets) {
-  if (tets > kMaxTets)
-    throw Error(Status::Limit, "mesh", "more than 4294967294 tetrahedra",
+void refuseAbove(std::uint64_t count) { // of tets, or of points
+  if (count > kMaxTets)
+    throw Error(Status::Limit, "mesh", "more than 4294967294 tetrahedra or points",
                 "split it into several files or choose a part with `bbox` or `region`");
 }
 
@@ -353,8 +353,8 @@ void keepTets(CellMesh& mesh, const Chooser& chooser, TetMesh& result, Tally& ta
 }
 
 // Adds the tets of a cell. False where the filter leaves it out.
-bool splitCell(const CellMesh& mesh, const CellRun& run, std::size_t cell,
-               const std::uint32_t* corner, const Chooser& chooser, bool shaped, TetMesh& result,
+bool splitCell(CellMesh& mesh, const CellRun& run, std::size_t cell, const std::uint32_t* corner,
+               const Chooser& chooser, bool shaped, TetMesh& result, PolyhedronCutter& cutter,
                Tally& tally) {
   std::vector<std::uint32_t>& made = result.tets;
   if (run.type == CellType::Tetra) {
@@ -374,8 +374,11 @@ bool splitCell(const CellMesh& mesh, const CellRun& run, std::size_t cell,
     const auto faces = polyhedronFaces(corner, run.nodesPerCell);
     if (!chooser.keeps(cell, faces.nodes.data(), faces.nodes.size()))
       return false;
-    if (!splitPolyhedron(faces, mesh.points, made))
+    const PolyhedronCut cut = cutter.cut(faces, made);
+    if (cut == PolyhedronCut::None)
       ++tally.skipped[run.fileType];
+    if (cut == PolyhedronCut::Concave)
+      ++tally.concave;
   } else {
     ++tally.skipped[run.fileType];
   }
@@ -383,9 +386,10 @@ bool splitCell(const CellMesh& mesh, const CellRun& run, std::size_t cell,
 }
 
 // The tets of a mesh of several kinds of cells.
-void splitRuns(const CellMesh& mesh, const Chooser& chooser, TetMesh& result, Tally& tally,
+void splitRuns(CellMesh& mesh, const Chooser& chooser, TetMesh& result, Tally& tally,
                Progress& progress) {
   const bool shaped = hasPointArrays(mesh);
+  PolyhedronCutter cutter(mesh.points);
   const std::uint32_t* corner = mesh.nodes.data();
   std::size_t cell = 0;
   std::uint32_t own = 0;
@@ -401,12 +405,16 @@ void splitRuns(const CellMesh& mesh, const Chooser& chooser, TetMesh& result, Ta
     for (std::size_t i = 0; i < run.count; ++i, ++cell, ++own, corner += each) {
       if (i % kCellsPerUpdate == 0)
         progress.update(static_cast<double>(own) / static_cast<double>(result.cellCount));
-      if (!splitCell(mesh, run, cell, corner, chooser, shaped, result, tally))
+      if (!splitCell(mesh, run, cell, corner, chooser, shaped, result, cutter, tally))
         tally.filtered = true;
       refuseAbove(result.tetCount());
+      refuseAbove(mesh.points.size());
       result.cellOfTet.resize(result.tetCount(), own);
     }
   }
+  for (Attribute& array : mesh.attributes)
+    if (array.on == Attribute::On::Points)
+      cutter.addValues(array);
 }
 
 } // namespace

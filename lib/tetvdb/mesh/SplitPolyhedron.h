@@ -4,9 +4,12 @@
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
+#include "tetvdb/mesh/Attribute.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <unordered_map>
 #include <vector>
 
 namespace tetvdb {
@@ -45,10 +48,44 @@ struct PolyhedronFaces {
 /// node count and nodes. Without faces where the numbers contradict each other.
 PolyhedronFaces polyhedronFaces(const std::uint32_t* numbers, std::size_t size);
 
-/// Adds the tets of a polyhedron to `tets`: its smallest vertex joined with the faces that do not
-/// hold it, each fanned from its own smallest vertex. False, and nothing added, where the faces do
-/// not close, do not fit one orientation, or are not all seen from that vertex from one side.
-bool splitPolyhedron(PolyhedronFaces faces, const std::vector<Vec3d>& points,
-                     std::vector<std::uint32_t>& tets);
+enum class PolyhedronCut : std::uint8_t {
+  None,         ///< no tets: its faces do not close or fit no orientation, or it is hollow
+  FromVertex,   ///< from its smallest vertex
+  AroundCentre, ///< around a point that was added
+  Concave       ///< likewise, and some of its tets, up to half of the others' volume, are inverted
+};
+
+/// Cuts one polyhedron after another: its smallest vertex is joined with the faces that do not hold
+/// it, each fanned from its own smallest vertex. Where these are not all seen from that vertex from
+/// one side, a point is added at the mean of its vertices, and joined with all faces. A face of
+/// five corners or more that is not flat is fanned from a point that is added at the mean of its
+/// corners. So neighbours cut a face alike.
+class PolyhedronCutter {
+public:
+  /// Points are added to `points`, which must outlive the cutter.
+  explicit PolyhedronCutter(std::vector<Vec3d>& points) : points_(points), first_(points.size()) {}
+
+  /// Appends the cell's tets.
+  PolyhedronCut cut(PolyhedronFaces faces, std::vector<std::uint32_t>& tets);
+
+  /// Gives an array of the points values for those that were added: the mean of the vertices', of
+  /// whole numbers that of the first vertex. Arrays of another length remain as they are.
+  void addValues(Attribute& array) const;
+
+private:
+  static constexpr std::uint32_t kNone = 0xffffffffU;
+
+  std::uint32_t addPoint(const Vec3d& p, std::vector<std::uint32_t> vertices);
+  std::uint32_t centreOf(const std::uint32_t* corners, std::size_t count);
+  std::array<double, 2> join(const PolyhedronFaces& faces, std::uint32_t apex,
+                             std::vector<std::uint32_t>& tets) const;
+
+  std::vector<Vec3d>& points_;
+  std::size_t first_;                   ///< point that was added
+  std::vector<std::size_t> begin_{0};   ///< of the vertices of each of them
+  std::vector<std::uint32_t> vertices_; ///< ascending
+  std::unordered_multimap<std::uint64_t, std::uint32_t> centres_; ///< of faces
+  std::vector<std::uint32_t> ofFaces_; ///< of the cell at hand; kNone: flat
+};
 
 } // namespace tetvdb

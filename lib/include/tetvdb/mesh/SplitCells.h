@@ -35,7 +35,9 @@ std::string describeCells(const CellMesh& mesh);
 /// by position (x, then y, then z; the index for coincident points): no point is added, neighbours
 /// cut a shared face alike, and renumbering changes nothing. (Dompierre et al. 1999, "How to
 /// Subdivide Pyramids, Prisms and Hexahedra into Tetrahedra", with positions in place of indices.)
-/// Polyhedra must be star-shaped about that vertex with consistent faces; others are skipped.
+/// Polyhedra that are not star-shaped about that vertex get a point within, their faces of five
+/// corners and more that are not flat one each, all with values; those whose faces do not close are
+/// skipped (mesh/SplitPolyhedron.h).
 ///
 /// Where the mesh has arrays of points, TetMesh::curved says what the shape functions of hexahedra,
 /// wedges and pyramids need; prisms and polyhedra are interpolated by their tets.

@@ -2,10 +2,12 @@
 #include "tetvdb/io/source/Source.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Letters.h"
 
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <filesystem>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -25,6 +27,12 @@ struct Descriptor {
       ::close(number);
   }
 };
+
+// By its folder such a file says which OpenFOAM case is meant; ParaView's are empty.
+bool mayBeEmpty(const std::string& path) {
+  const std::string ending = lowerCase(std::filesystem::path(path).extension().string());
+  return ending == ".foam" || ending == ".openfoam";
+}
 
 } // namespace
 
@@ -52,6 +60,8 @@ MappedFile::MappedFile(const std::string& path) : path_(path) {
     fail(path, "is a device, not a file");
   if (S_ISREG(info.st_mode)) {
     size_ = static_cast<std::size_t>(info.st_size);
+    if (size_ == 0 && mayBeEmpty(path))
+      return;
     if (size_ == 0)
       fail(path, "the file is empty", "export it again");
     void* mapped = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.number, 0);

@@ -28,7 +28,7 @@ std::vector<Corners> cornersOf(const CellMesh& mesh) {
   return cells;
 }
 
-CellMesh readFile(Reader reader, const std::string& name) {
+CellMesh readMesh(Reader reader, const std::string& name) {
   Report report;
   CellMesh mesh = read(reader, fileBytes(dataPath(name)), report, name);
   EXPECT_TRUE(report.warnings.empty()) << report.warnings[0].text;
@@ -36,7 +36,8 @@ CellMesh readFile(Reader reader, const std::string& name) {
 }
 
 const char* const kText = "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET STRUCTURED_GRID\n";
-const char* const kPoints = "POINTS 8 float\n0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1\n";
+const char* const kEightPoints =
+    "POINTS 8 float\n0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1\n";
 const char* const kStraight =
     "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET RECTILINEAR_GRID\n";
 
@@ -52,8 +53,8 @@ std::string vts(const std::string& extent) {
 } // namespace
 
 TEST(StructuredGrids, VisibleCellsAreThoseOfVtk) {
-  const CellMesh bent = readFile(readVtu, "structured_visible.vtu");
-  const CellMesh straight = readFile(readVtu, "rectilinear_visible.vtu");
+  const CellMesh bent = readMesh(readVtu, "structured_visible.vtu");
+  const CellMesh straight = readMesh(readVtu, "rectilinear_visible.vtu");
   ASSERT_EQ(bent.cellCount(), 9u);
   ASSERT_EQ(straight.cellCount(), 6u);
   for (const auto& [reader, name, visible] :
@@ -62,7 +63,7 @@ TEST(StructuredGrids, VisibleCellsAreThoseOfVtk) {
         std::tuple(&readVtu, "rectilinear.vtr", &straight),
         std::tuple(&readVtk, "rectilinear_ascii.vtk", &straight)}) {
     SCOPED_TRACE(name);
-    const CellMesh mesh = readFile(reader, name);
+    const CellMesh mesh = readMesh(reader, name);
     EXPECT_EQ(cornersOf(mesh), cornersOf(*visible));
     EXPECT_EQ(mesh.cellCount(), visible->cellCount());
     EXPECT_FALSE(find(mesh, "vtkGhostType", Attribute::On::Cells));
@@ -85,18 +86,19 @@ TEST(StructuredGrids, HiddenCellsNeedNoArraysToBeAskedFor) {
 }
 
 TEST(StructuredGrids, WhatDoesNotFitIsRefused) {
-  EXPECT_EQ(read(readVtk, kText + std::string("DIMENSIONS 2 2 2\n") + kPoints).cellCount(), 1u);
-  EXPECT_TRUE(contains(errorOf(readVtk, kText + std::string(kPoints)), "without DIMENSIONS"));
-  EXPECT_TRUE(contains(errorOf(readVtk, kText + std::string("DIMENSIONS 2 2 1\n") + kPoints),
+  EXPECT_EQ(read(readVtk, kText + std::string("DIMENSIONS 2 2 2\n") + kEightPoints).cellCount(),
+            1u);
+  EXPECT_TRUE(contains(errorOf(readVtk, kText + std::string(kEightPoints)), "without DIMENSIONS"));
+  EXPECT_TRUE(contains(errorOf(readVtk, kText + std::string("DIMENSIONS 2 2 1\n") + kEightPoints),
                        "declares 4 points, but there are 8"));
-  EXPECT_TRUE(contains(errorOf(readVtk, kText + std::string("DIMENSIONS 2 2 3\n") + kPoints),
+  EXPECT_TRUE(contains(errorOf(readVtk, kText + std::string("DIMENSIONS 2 2 3\n") + kEightPoints),
                        "more than the file holds"));
   EXPECT_TRUE(contains(
       errorOf(readVtk,
-              kText + std::string("DIMENSIONS 4000000000 4000000000 4000000000\n") + kPoints),
+              kText + std::string("DIMENSIONS 4000000000 4000000000 4000000000\n") + kEightPoints),
       "more than the file holds"));
   EXPECT_TRUE(contains(
-      errorOf(readVtk, kText + std::string("DIMENSIONS 2 2 2\nDIMENSIONS 2 2 2\n") + kPoints),
+      errorOf(readVtk, kText + std::string("DIMENSIONS 2 2 2\nDIMENSIONS 2 2 2\n") + kEightPoints),
       "second section"));
   const std::string x = "X_COORDINATES 2 float\n0 1\n", y = "Y_COORDINATES 2 float\n0 1\n";
   EXPECT_EQ(read(readVtk, kStraight + ("DIMENSIONS 2 2 1\n" + x + y + "Z_COORDINATES 1 float\n0\n"))

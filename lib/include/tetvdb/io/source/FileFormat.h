@@ -42,6 +42,7 @@ enum class FileFormat : std::uint8_t {
   Frd,
   Neu,
   Su2,
+  OpenFoam,
   Unv,
   Vdb,
   Nvdb,

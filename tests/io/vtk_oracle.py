@@ -23,7 +23,8 @@ READERS = {".vtk": legacy.vtkGenericDataObjectReader, ".vtu": xml.vtkXMLUnstruct
            ".pvtu": xml.vtkXMLPUnstructuredGridReader, ".vtp": xml.vtkXMLPolyDataReader,
            ".vtm": xml.vtkXMLMultiBlockDataReader, ".vtkhdf": hdf.vtkHDFReader, ".hdf": hdf.vtkHDFReader,
            ".cgns": cgns.vtkCGNSReader, ".case": ensight.vtkGenericEnSightReader,
-           ".encas": ensight.vtkGenericEnSightReader, ".neu": geometry.vtkGAMBITReader}
+           ".encas": ensight.vtkGenericEnSightReader, ".neu": geometry.vtkGAMBITReader,
+           ".foam": geometry.vtkOpenFOAMReader}
 
 # Two cuts of each cell, by VTK's order of corners.
 CUTS = {
@@ -134,6 +135,10 @@ def read(path, ending):
     else:
         reader.SetFileName(str(path))
     reader.UpdateInformation()
+    if ending == ".foam":
+        reader.CreateCellToPointOff()
+        reader.DecomposePolyhedraOff()
+        reader.EnableAllCellArrays()
     if ending == ".cgns":
         reader.EnableAllBases()
         reader.EnableAllPointArrays()

@@ -560,6 +560,61 @@ def plain_files(folder):
             yield Written("%s .%s" % (some, ending), path, mesh.found(), ("T", "V", "C"), mesh.volume())
 
 
+# --- OpenFOAM ---
+
+SIDES = {"tetra": [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)],
+         "pyramid": [(0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)],
+         "wedge": [(0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)],
+         "hexahedron": [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]}
+
+
+def foam_header(kind, name, place):
+    return ("FoamFile\n{\n    version 2.0;\n    format ascii;\n    class %s;\n    location \"%s\";\n"
+            "    object %s;\n}\n\n" % (kind, place, name))
+
+
+def foam_list(values):
+    return "%d\n(\n%s\n)\n" % (len(values), "\n".join(
+        "(%s)" % " ".join("%.9g" % x for x in value) if np.ndim(value) else "%.9g" % value for value in values))
+
+
+def write_case(folder, mesh):
+    """Its own faces for each cell, of which none has a neighbour."""
+    poly, time = folder / "constant" / "polyMesh", folder / "0.5"
+    for made in (poly, time, folder / "system"):
+        made.mkdir(parents=True)
+    faces = [(cell, [nodes[k] for k in side]) for cell, (kind, nodes) in enumerate(mesh.cells) for side in SIDES[kind]]
+    (poly / "points").write_text(foam_header("vectorField", "points", "constant/polyMesh") + foam_list(mesh.points))
+    (poly / "faces").write_text(
+        foam_header("faceList", "faces", "constant/polyMesh") + "%d\n(\n%s\n)\n" % (
+            len(faces), "\n".join("%d(%s)" % (len(face), " ".join(map(str, face))) for _, face in faces)))
+    (poly / "owner").write_text(
+        foam_header("labelList", "owner", "constant/polyMesh") + foam_list([owner for owner, _ in faces]))
+    (poly / "neighbour").write_text(foam_header("labelList", "neighbour", "constant/polyMesh") + "0()\n")
+    (poly / "boundary").write_text(
+        foam_header("polyBoundaryMesh", "boundary", "constant/polyMesh") +
+        "1\n(\n    walls\n    {\n        type wall;\n        nFaces %d;\n        startFace 0;\n    }\n)\n" % len(faces))
+    walls = "boundaryField\n{\n    walls\n    {\n        type zeroGradient;\n    }\n}\n"
+    (time / "C").write_text(foam_header("volScalarField", "C", "0.5") + "dimensions [0 0 0 0 0 0 0];\n\n"
+                            "internalField nonuniform List<scalar>\n%s;\n\n%s" % (foam_list(mesh.C), walls))
+    (folder / "system" / "controlDict").write_text(
+        foam_header("dictionary", "controlDict", "system") +
+        "application none;\nstartFrom startTime;\nstartTime 0;\nstopAt endTime;\nendTime 1;\ndeltaT 0.5;\n"
+        "writeInterval 0.5;\nwriteFormat ascii;\n")
+    (folder / "case.foam").touch()
+    return folder / "case.foam"
+
+
+def foam_files(folder):
+    kinds = list(SIDES)
+    for number, some in enumerate([[kind] for kind in kinds] + [kinds]):
+        mesh = Mesh(some, 3)
+        path = write_case(folder / ("foam%d" % number), mesh)
+        confirm(path, mesh.found())
+        yield Written("%s of OpenFOAM" % some, path, mesh.found(), ("T", "V"), mesh.volume())
+
+
 def write_all(folder):
-    for files in (vtp_files, blocks_file, vtkhdf_files, cgns_files, ensight_files, frd_files, neu_files, plain_files):
+    for files in (vtp_files, blocks_file, vtkhdf_files, cgns_files, ensight_files, frd_files, neu_files, plain_files,
+                  foam_files):
         yield from files(folder)

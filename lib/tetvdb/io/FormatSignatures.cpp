@@ -281,8 +281,7 @@ bool isSu2(const FileStart& file) {
 
 /// A `controlDict`; a .foam file is known by its name.
 bool isOpenFoam(const FileStart& file) {
-  return isText(file.head) && contains(file.head, "FoamFile") &&
-         contains(file.head, "controlDict");
+  return isText(file.head) && contains(file.head, "FoamFile") && contains(file.head, "controlDict");
 }
 
 /// A line "-1", and one with a number.

@@ -27,6 +27,10 @@ void addFieldOptions(CLI::App& command, FieldTexts& texts) {
                   "Move points by a vector array, times a factor, before voxelizing")
       ->type_name("ARRAY[*F]")
       ->check(notEmpty());
+  command.add_flag(
+      "--smooth", texts.smooth,
+      "Interpolate arrays over cells, by their means at points, in place of one value a "
+      "cell");
 }
 
 } // namespace tetvdb::cli

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Options for the arrays of a mesh: --derive, --remap, --clamp, --background, --warp.
+// Options for the arrays of a mesh: --derive, --remap, --clamp, --background, --warp, --smooth.
 #pragma once
 
 #include "ParseFields.h"

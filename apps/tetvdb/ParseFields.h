@@ -15,6 +15,7 @@ namespace tetvdb::cli {
 struct FieldTexts {
   std::vector<std::string> derive, remap, clamp, background;
   std::string warp;
+  bool smooth = false;
 };
 
 /// How errors name a setting: "--remap", or "`remap`".

@@ -201,6 +201,7 @@ VoxelizeJob makeJob(const VoxelizeArguments& options) {
   setFields(options.fields, optionName, job.fields);
   if (!options.fields.warp.empty())
     job.warp = parseWarp("--warp", options.fields.warp);
+  job.smooth = options.fields.smooth;
   job.read.attributes =
       !options.writeMesh.empty() || !job.fields.empty() || !job.warp.array.empty();
   job.shapes.halfWidth =

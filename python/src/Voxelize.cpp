@@ -83,6 +83,7 @@ void takeFields(Settings& settings, VoxelizeJob& job) {
   settings.take("clamp", texts.clamp);
   settings.take("background", texts.background);
   settings.take("warp", texts.warp);
+  settings.take("smooth", job.smooth);
   const cli::SettingName settingName = [](const char* name) {
     return "`" + std::string(name) + "`";
   };

@@ -45,6 +45,7 @@ def voxelize(mesh: Any, cells: Any = None, *, grid: Union[str, Sequence[str]] = 
              region: Any = None, exclude: Any = None, region_array: Optional[str] = None,
              bbox: Optional[Sequence[float]] = None, derive: Any = None, remap: Any = None,
              clamp: Any = None, background: Any = None, warp: Optional[str] = None,
+             smooth: bool = False,
              write_mesh: Any = None, preview: Any = None, device: Optional[str] = None,
              threads: Optional[int] = None, max_memory: Union[None, int, str] = None,
              max_time: Optional[float] = None) -> Volume:
@@ -65,7 +66,8 @@ def voxelize(mesh: Any, cells: Any = None, *, grid: Union[str, Sequence[str]] = 
     derive: grids made of arrays, {"speed": "vel:magnitude"}: magnitude, mises, trace, determinant,
         principal1 to 3, a component; remap, clamp: ranges, "0:1" or {"temperature": (0, 1)};
         background: values outside, 0 or {"temperature": 293}; as the command line has them.
-    warp: move points by a vector array first, "disp" or "disp*2".
+    warp: move points by a vector array first, "disp" or "disp*2"; smooth: interpolate arrays over
+        cells, by their means at points.
     write_mesh: a file for the tets, or the cleaned triangles; preview: a .png of what was done.
     device: "auto", "cpu", "cuda", "cuda:1" or "cuda:0,1".
     threads, max_memory, max_time: limits.

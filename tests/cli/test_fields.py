@@ -161,6 +161,18 @@ class FieldsTest(program.CommandLineTest):
                  for n in ("still", "moved")]
         self.assertEqual([b - a for a, b in zip(*boxes)], [4, 0, 0])
 
+    def test_smooth_interpolates_what_is_over_cells(self):
+        self.write("a.vtu", simulation())
+        job = ("a.vtu", "-o", "a.vdb", "--derive", "s=stress:xx", "--grid", "temperature", "--resolution", 40)
+        of_cells, _ = self.grids(*job)
+        smooth, _ = self.grids(*job, "--smooth")
+        self.assertEqual((of_cells["s"]["min"], of_cells["s"]["max"]), (0, 47))
+        # Between the least and the largest mean: corners of the block are in one cell or more.
+        self.assertGreater(smooth["s"]["min"], 0)
+        self.assertLess(smooth["s"]["max"], 47)
+        for key in ("min", "max", "active_voxels"):
+            self.assertEqual(of_cells["temperature"][key], smooth["temperature"][key])
+
     def test_bad_requests(self):
         self.write("a.vtu", simulation())
         ask = lambda *options, status=2, says: self.refuse(
@@ -189,6 +201,7 @@ class FieldsTest(program.CommandLineTest):
         self.refuse(2, "voxelize", "a.off", "-o", "a.vdb", "--grid", "temperature",
                     says="array of a solid mesh")
         self.refuse(2, "voxelize", "a.off", "-o", "a.vdb", "--warp", "disp", says="solid mesh")
+        self.refuse(2, "voxelize", "a.off", "-o", "a.vdb", "--smooth", says="arrays over cells")
 
     def test_values_that_are_not_finite(self):
         points, tets = lattice(2)

@@ -4,6 +4,7 @@
 #include "tetvdb/core/HashText.h"
 #include "tetvdb/core/Version.h"
 #include "tetvdb/io/MeshReader.h"
+#include "tetvdb/io/formats/openfoam/OpenFoamReader.h"
 #include "tetvdb/io/formats/xdmf/XdmfReader.h"
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/volume/Grids.h"
@@ -61,7 +62,7 @@ void addFields(Text& text, const VoxelizeJob& job) {
   if (!fields.remap.empty())
     for (const ValueRange& range : job.fieldRanges)
       text << range.low << range.high;
-  text << job.warp.array << job.warp.factor;
+  text << job.warp.array << job.warp.factor << job.smooth;
 }
 
 } // namespace
@@ -72,8 +73,12 @@ std::string frameMark(const VoxelizeJob& job) {
   for (const std::string& input : job.inputs) {
     addInput(text, input);
     const MappedFile file(input);
-    if (sniffFormat(file.bytes(), input) == FileFormat::Xdmf)
+    const FileFormat format = sniffFormat(file.bytes(), input);
+    if (format == FileFormat::Xdmf)
       for (const std::string& beside : xdmfFiles(file.source()))
+        addInput(text, beside);
+    if (format == FileFormat::OpenFoam)
+      for (const std::string& beside : openFoamFiles(file.source(), job.read.timeStep))
         addInput(text, beside);
   }
   text << job.read.regionArray << job.read.timeStep << job.filter.regions << job.filter.exclude

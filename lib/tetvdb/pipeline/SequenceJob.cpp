@@ -7,6 +7,7 @@
 #include "tetvdb/fields/Field.h"
 #include "tetvdb/fields/NeededArrays.h"
 #include "tetvdb/fields/ShownValues.h"
+#include "tetvdb/fields/SmoothCells.h"
 #include "tetvdb/pipeline/ArrayOutput.h"
 #include "tetvdb/pipeline/FrameMark.h"
 #include "tetvdb/pipeline/MergeMeshes.h"
@@ -89,6 +90,8 @@ Look lookAt(const VoxelizeJob& job, const Frame& frame, Report& report, Progress
   for (const std::string& input : frame.inputs) {
     meshes.push_back(readTets(input, read, job.filter, nullptr, report, progress));
     warpPoints(meshes.back(), job.warp);
+    if (job.smooth)
+      smoothCells(meshes.back());
     turnUp(meshes.back().points, job.up);
     look.box.add(boxOfUsed(meshes.back().points, meshes.back().tets));
   }

@@ -7,6 +7,7 @@
 #include "tetvdb/fields/LevelSetOnDevice.h"
 #include "tetvdb/fields/NeededArrays.h"
 #include "tetvdb/fields/SampleOnDevice.h"
+#include "tetvdb/fields/SmoothCells.h"
 #include "tetvdb/io/MeshWriter.h"
 #include "tetvdb/io/TileFiles.h"
 #include "tetvdb/io/TriangleWriter.h"
@@ -105,6 +106,9 @@ void checkOutputs(const VoxelizeJob& job) {
 void refuseArrays(const VoxelizeJob& job) {
   if (!job.warp.array.empty())
     throw Error(Status::Usage, "`warp`", "takes an array of a solid mesh; the input is triangles",
+                "leave it out");
+  if (job.smooth)
+    throw Error(Status::Usage, "`smooth`", "is for arrays over cells; the input is triangles",
                 "leave it out");
   if (job.fields.empty())
     return;
@@ -304,6 +308,8 @@ void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
     TetMesh one = readTets(path, wanted, job.filter, &info, report, progress, job.memory);
     warnOfOtherSteps(info, wanted, report);
     warpPoints(one, job.warp);
+    if (job.smooth)
+      smoothCells(one);
     return one;
   };
   TetMesh mesh = mergeMeshes(readAll<TetMesh>(job, result, report, progress, read), report);

@@ -71,6 +71,7 @@ struct VoxelizeJob {
   ShapeOptions shapes;      ///< its grids, maxMemory and device are replaced
   FieldOptions fields;      ///< of tets: arrays that become grids, after all others
   Warp warp;                ///< of tets: moves the points first; in the inputs' own axes
+  bool smooth = false;      ///< of tets: smoothCells(), so that arrays over cells vary within them
   std::string output;       ///< .vdb, .nvdb or an array file; empty: no volume is written
   /// 512, 1024, 2048 or 4096: `output` is a folder of .vdb files of cubes of so many voxels along a
   /// side (io/TileFiles.h); 0: it is a file.

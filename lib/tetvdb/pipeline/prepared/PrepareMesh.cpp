@@ -47,6 +47,8 @@ void checkJob(const VoxelizeJob& job) {
     refuse("`fit`", "is not for meshes that are prepared");
   if (!job.warp.array.empty())
     refuse("`warp`", "moves the points of a mesh that is read as a whole");
+  if (job.smooth)
+    refuse("`smooth`", "takes the cells around a point of a mesh that is read as a whole");
 }
 
 bool needsTets(const VoxelizeJob& job) {

@@ -37,6 +37,8 @@ void checkPreparedJob(const VoxelizeJob& job) {
     refuse("`region`, `exclude`, `region_array`, `bbox`");
   if (!job.warp.array.empty())
     refuse("`warp`");
+  if (job.smooth)
+    refuse("`smooth`");
   if (job.up != UpAxis::Z)
     refuse("`up_axis`");
 }

@@ -252,7 +252,20 @@ TEST(OpenFoamReader, StepsAndTheLatestMesh) {
   EXPECT_EQ(arrayOf(first, "p")->number(1), 0);
   options.timeStep = 4;
   EXPECT_NE(foam.error(options).find("has no time step 5"), std::string::npos);
-  EXPECT_EQ(openFoamTimes({"", foam.path("c.foam")}, report, progress), last.times);
+  const Source source{"", foam.path("c.foam")};
+  EXPECT_EQ(openFoamTimes(source, report, progress), last.times);
+  const auto namesOf = [&](int step) {
+    std::vector<std::string> names;
+    for (const std::string& file : openFoamFiles(source, step))
+      names.push_back(file.substr(foam.path("").size()));
+    return names;
+  };
+  using Names = std::vector<std::string>;
+  const std::string mesh = "constant/polyMesh/";
+  EXPECT_EQ(namesOf(0), (Names{mesh + "points", mesh + "faces", mesh + "owner", mesh + "neighbour",
+                               mesh + "cellZones", "0/p"}));
+  EXPECT_EQ(namesOf(2), (Names{"1.5/polyMesh/points", mesh + "faces", mesh + "owner",
+                               mesh + "neighbour", mesh + "cellZones", "2/p"}));
 }
 
 TEST(OpenFoamReader, ProcessorsWhereTheyWentFurther) {

@@ -61,13 +61,23 @@ void addZones(const std::vector<Zone>& zones, const Placed& placed, const std::s
   }
 }
 
+std::optional<std::size_t> timeOf(const FoamCase& from, int step, const std::string& path) {
+  const std::size_t count = from.times().size();
+  if (step >= 0 && static_cast<std::size_t>(step) >= count)
+    throw Error(Status::Usage, path, "has no time step " + std::to_string(step + 1),
+                "it has " + std::to_string(count));
+  if (step >= 0)
+    return static_cast<std::size_t>(step);
+  return count > 0 ? std::optional<std::size_t>(count - 1) : std::nullopt;
+}
+
 class CaseReader {
 public:
   CaseReader(const Source& source, const ReadOptions& options, Report& report, Progress& progress)
       : source_(source), options_(options), report_(report), progress_(progress), case_(source) {}
 
   CellMesh read() {
-    chooseTime();
+    time_ = timeOf(case_, options_.timeStep, source_.path);
     mesh_.times = case_.times();
     for (const CasePart& part : case_.parts()) {
       progress_.check();
@@ -81,18 +91,6 @@ public:
   }
 
 private:
-  void chooseTime() {
-    const std::size_t count = case_.times().size();
-    if (options_.timeStep >= 0 && static_cast<std::size_t>(options_.timeStep) >= count)
-      throw Error(Status::Usage, source_.path,
-                  "has no time step " + std::to_string(options_.timeStep + 1),
-                  "it has " + std::to_string(count));
-    if (options_.timeStep >= 0)
-      time_ = static_cast<std::size_t>(options_.timeStep);
-    else if (count > 0)
-      time_ = count - 1;
-  }
-
   std::string meshFile(const CasePart& part, const char* name) const {
     const auto found = case_.meshFile(part, time_, name);
     if (!found)
@@ -238,6 +236,21 @@ CellMesh readTexts(std::string_view texts, Report&, Progress&) {
 CellMesh readOpenFoam(const Source& source, const ReadOptions& options, Report& report,
                       Progress& progress) {
   return openfoam::CaseReader(source, options, report, progress).read();
+}
+
+std::vector<std::string> openFoamFiles(const Source& source, int timeStep) {
+  const openfoam::FoamCase from(source);
+  const std::optional<std::size_t> time = openfoam::timeOf(from, timeStep, source.path);
+  std::vector<std::string> files;
+  for (const openfoam::CasePart& part : from.parts()) {
+    for (const char* name : {"points", "faces", "owner", "neighbour", "cellZones"})
+      if (auto file = from.meshFile(part, time, name))
+        files.push_back(std::move(*file));
+    if (time)
+      for (openfoam::FieldFile& field : from.fields(part, *time))
+        files.push_back(std::move(field.path));
+  }
+  return files;
 }
 
 std::vector<double> openFoamTimes(const Source& source, Report&, Progress&) {

@@ -10,6 +10,7 @@
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/mesh/CellMesh.h"
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -24,6 +25,9 @@ namespace tetvdb {
 /// Error(Usage) for a step that does not exist.
 CellMesh readOpenFoam(const Source& source, const ReadOptions& options, Report& report,
                       Progress& progress);
+
+/// The files that are read for a step (the last if it is -1), all fields among them.
+std::vector<std::string> openFoamFiles(const Source& source, int timeStep);
 
 /// The times, ascending.
 std::vector<double> openFoamTimes(const Source& source, Report& report, Progress& progress);

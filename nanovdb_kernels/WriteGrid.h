@@ -195,23 +195,6 @@ public:
         });
   }
 
-  // What a leaf says of its values.
-  TETVDB_HD static void summarize(const LeafSummary& sum, const u32*, bool isFloat,
-                                  ValueLeaf& node) {
-    setValues(node, valuesOf(sum.min, sum.max, {sum.count, sum.mean, sum.squares}, isFloat));
-  }
-  TETVDB_HD static void summarize(const LeafSummary& sum, const Vector* values, bool,
-                                  NodesOf<Vector>::Leaf& node) {
-    node.mMinimum = values[sum.min];
-    node.mMaximum = values[sum.max];
-    setMoments(node, {sum.count, sum.mean, sum.squares});
-  }
-  // Where all are the same.
-  TETVDB_HD static void summarize(const GridValues& values, ValueLeaf& node) {
-    setValues(node, {values.inside, values.inside, floatFrom(values.inside), 0});
-  }
-  TETVDB_HD static void summarize(const GridValues&, NodesOf<Vector>::Leaf&) {}
-
   // Leaves of values: a warp a leaf. Without a table, all active values are the same.
   template <typename V>
   void writeValueLeaves(u8* buffer, const BufferLayout& l, const u64* masks, const u32* table,
@@ -264,31 +247,6 @@ public:
           }
         });
   }
-
-  // An entry of a node's table, all of its bytes.
-  template <typename Entry>
-  TETVDB_HD static void setEntry(Entry& entry, u32 value) {
-    entry.child = static_cast<i64>(u64(value));
-  }
-  template <typename Entry>
-  TETVDB_HD static void setEntry(Entry& entry, const Vector& value) {
-    memset(static_cast<void*>(&entry), 0, sizeof entry);
-    entry.value = value;
-  }
-  template <typename V, typename Entry>
-  TETVDB_HD static void setChild(Entry& entry, u64 distance) {
-    if (sizeof entry > sizeof(u64))
-      memset(static_cast<void*>(&entry), 0, sizeof entry);
-    entry.child = static_cast<i64>(distance);
-  }
-  // The statistics of a node whose active values are all the same.
-  template <typename Node>
-  TETVDB_HD static void setUniform(Node& node, Kind kind, const GridValues& values, const u32*) {
-    if (kind == Kind::Float)
-      setValues(node, {values.inside, values.inside, floatFrom(values.inside), 0});
-  }
-  template <typename Node>
-  TETVDB_HD static void setUniform(Node&, Kind, const GridValues&, const Vector*) {}
 
   template <int kLog2, typename V>
   void writeNodes(u8* buffer, const BufferLayout& l, const NodeMasks<kLog2>& masks,

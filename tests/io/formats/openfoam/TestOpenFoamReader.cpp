@@ -238,7 +238,8 @@ TEST(OpenFoamReader, StepsAndTheLatestMesh) {
   for (const char* time : {"0", "1.5", "2", "1e1"})
     foam.put(std::string(time) + "/p",
              foam.foam.field("volScalarField", std::string("uniform ") + time));
-  fs::create_directories(foam.path("0.orig"));
+  for (const char* name : {"0.orig", "nan", "inf", "postProcessing"})
+    fs::create_directories(foam.path(name));
   Report report;
   Progress progress;
   const CellMesh last = foam.read();

@@ -9,8 +9,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
-#include <numeric>
 #include <utility>
 
 namespace tetvdb::openfoam {
@@ -124,7 +124,7 @@ void FoamCase::takeTimes(const std::string& folder, std::vector<double>& times,
     double time = 0;
     const char* const end = name.data() + name.size();
     const auto [stop, status] = std::from_chars(name.data(), end, time);
-    if (status == std::errc() && stop == end)
+    if (status == std::errc() && stop == end && std::isfinite(time)) // a folder may be named "nan"
       found.emplace_back(time, name);
   }
   std::sort(found.begin(), found.end());

@@ -70,18 +70,22 @@ std::vector<std::uint32_t> inward(const Side& side) {
   return corners;
 }
 
+// The first side of n corners of a cell with so many sides; null where there is none.
+const Side* baseOf(const std::vector<Side>& all, std::uint32_t n, std::size_t sides) {
+  const auto base =
+      std::find_if(all.begin(), all.end(), [&](const Side& side) { return side.count == n; });
+  return all.size() == sides && base != all.end() ? &*base : nullptr;
+}
+
 // Base and apex, of a tetrahedron or a pyramid with a base of n corners.
 bool asPyramid(const std::vector<Side>& sides, std::uint32_t n, std::vector<std::uint32_t>& nodes) {
-  if (sides.size() != n + std::size_t(1))
-    return false;
-  const auto base =
-      std::find_if(sides.begin(), sides.end(), [&](const Side& side) { return side.count == n; });
-  if (base == sides.end())
+  const Side* const base = baseOf(sides, n, n + 1);
+  if (base == nullptr)
     return false;
   nodes = inward(*base);
   std::uint32_t apex = kNone;
   for (const Side& side : sides) {
-    if (&side == &*base)
+    if (&side == base)
       continue;
     if (side.count != 3)
       return false;
@@ -103,17 +107,14 @@ bool asPyramid(const std::vector<Side>& sides, std::uint32_t n, std::vector<std:
 
 // Base and top, in the same direction, of a prism over a polygon of n corners.
 bool asPrism(const std::vector<Side>& sides, std::uint32_t n, std::vector<std::uint32_t>& nodes) {
-  if (sides.size() != n + std::size_t(2))
-    return false;
-  const auto base =
-      std::find_if(sides.begin(), sides.end(), [&](const Side& side) { return side.count == n; });
-  if (base == sides.end())
+  const Side* const base = baseOf(sides, n, n + 2);
+  if (base == nullptr)
     return false;
   nodes = inward(*base);
   std::vector<std::uint32_t> top(n, kNone);
   const Side* opposite = nullptr;
   for (const Side& side : sides) {
-    if (&side == &*base)
+    if (&side == base)
       continue;
     bool meetsBase = false;
     for (std::uint32_t i = 0; i < side.count; ++i) {

@@ -172,6 +172,32 @@ class Sequences(program.CommandLineTest):
                               "<DataSet timestep='0' file='f_8.vtu'/></Collection></VTKFile>")
         self.refuse(2, "voxelize", "run.pvd", "-o", "x.vdb", "--union", says="times")
 
+    def test_frames_of_a_case_are_made_again_where_its_files_changed(self):
+        def foam(name, kind, text):
+            path = self.path(name)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text("FoamFile\n{\n version 2.0;\n format ascii;\n class %s;\n object x;\n}\n%s\n"
+                            % (kind, text))
+
+        mesh = "case/constant/polyMesh/"
+        foam(mesh + "points", "vectorField", "4((0 0 0)(1 0 0)(0 1 0)(0 0 1))")
+        foam(mesh + "faces", "faceList", "4(3(0 2 1)3(0 1 3)3(1 2 3)3(2 0 3))")
+        foam(mesh + "owner", "labelList", "4{0}")
+        foam(mesh + "neighbour", "labelList", "0()")
+        field = lambda value: "internalField uniform %d;" % value
+        for time, value in (("0", 1), ("0.5", 2), ("1", 3)):
+            foam("case/%s/T" % time, "volScalarField", field(value))
+        self.write("case/case.foam", "")
+        run = lambda: self.report_of("voxelize", "case/case.foam", "-o", "out.vdb", "--resolution", 16, "--grid", "T",
+                                     "--frames", "all")["frames"]
+        frames = run()
+        self.assertEqual([f["time"] for f in frames], [0, 0.5, 1])
+        self.assertEqual(self.grids_of("out.0003.vdb")[0]["T"]["max"], 3)
+        self.assertEqual([f["skipped"] for f in run()], [True] * 3)
+        foam("case/0.5/T", "volScalarField", field(200))
+        self.assertEqual([f["skipped"] for f in run()], [True, False, True])
+        self.assertEqual(self.grids_of("out.0002.vdb")[0]["T"]["max"], 200)
+
     def test_files_with_other_names_are_one_volume(self):
         for name, low in (("left", 0), ("right2", 1)):
             self.write(name + ".off", program.off(*program.box_faces(low=(low, 0, 0),

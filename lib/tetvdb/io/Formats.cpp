@@ -66,6 +66,10 @@ std::vector<double> timesOfXdmf(const Source& source, Report&, Progress&) {
   return xdmfTimes(source);
 }
 
+std::vector<std::string> filesOfXdmf(const Source& source, int) {
+  return xdmfFiles(source);
+}
+
 Format row(FileFormat id, std::string_view name, std::string_view endings,
            std::string_view description, unsigned holds) {
   Format format;
@@ -206,6 +210,7 @@ std::vector<Format> makeTable() {
                              "XML, with numbers in it, in binary files or in HDF5 files beside it",
                              kArrays | kSteps, isXdmf, xdmfHasSolidCells));
   all.back().readTimes = timesOfXdmf;
+  all.back().filesOfStep = filesOfXdmf;
   all.back().spoolCells = spoolXdmf;
   all.push_back(cellsOrFaces<readVtkHdf>(FileFormat::VtkHdf, "VTKHDF", ".vtkhdf .hdf",
                                          "VTK's grids and polygons in HDF5", kArrays | kSteps,
@@ -219,6 +224,7 @@ std::vector<Format> makeTable() {
                                           "A case that names the files of every step",
                                           kArrays | kSteps, isEnsight, ensightHasSolidCells));
   all.back().readTimes = ensightTimes;
+  all.back().filesOfStep = ensightFiles;
   all.push_back(cellsOrFaces<readFrd>(FileFormat::Frd, "CalculiX .frd", ".frd",
                                       "Results of CalculiX, text or binary", kArrays | kSteps,
                                       isFrd, frdHasSolidCells));
@@ -233,6 +239,7 @@ std::vector<Format> makeTable() {
                       kTets | kArrays | kSteps, isOpenFoam, readOpenFoam));
   all.back().isNamed = isAny;
   all.back().readTimes = openFoamTimes;
+  all.back().filesOfStep = openFoamFiles;
   all.push_back(cellsOrFaces<readUnv>(FileFormat::Unv, "I-DEAS .unv", ".unv",
                                       "Universal files, as of Salome and NX", 0, isUnv,
                                       unvHasSolidCells));

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/pipeline/FrameMark.h"
 
+#include "tetvdb/core/Error.h"
 #include "tetvdb/core/HashText.h"
 #include "tetvdb/core/Version.h"
+#include "tetvdb/io/Formats.h"
 #include "tetvdb/io/MeshReader.h"
-#include "tetvdb/io/formats/openfoam/OpenFoamReader.h"
-#include "tetvdb/io/formats/xdmf/XdmfReader.h"
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/volume/Grids.h"
 
@@ -50,6 +50,18 @@ void addInput(Text& text, const std::string& path) {
   text << path << (ignored ? 0 : size) << (ignored ? 0 : time.time_since_epoch().count());
 }
 
+// The files that are read with it.
+void addOthers(Text& text, const std::string& path, int step) {
+  try {
+    const MappedFile file(path);
+    const auto filesOfStep = formatOf(sniffFormat(file.bytes(), path)).filesOfStep;
+    if (filesOfStep != nullptr)
+      for (const std::string& other : filesOfStep(file.source(), step))
+        addInput(text, other);
+  } catch (const Error&) { // told when it is read
+  }
+}
+
 void addFields(Text& text, const VoxelizeJob& job) {
   const FieldOptions& fields = job.fields;
   text << fields.requests.size() << fields.all;
@@ -72,14 +84,7 @@ std::string frameMark(const VoxelizeJob& job) {
   text << version();
   for (const std::string& input : job.inputs) {
     addInput(text, input);
-    const MappedFile file(input);
-    const FileFormat format = sniffFormat(file.bytes(), input);
-    if (format == FileFormat::Xdmf)
-      for (const std::string& beside : xdmfFiles(file.source()))
-        addInput(text, beside);
-    if (format == FileFormat::OpenFoam)
-      for (const std::string& beside : openFoamFiles(file.source(), job.read.timeStep))
-        addInput(text, beside);
+    addOthers(text, input, job.read.timeStep);
   }
   text << job.read.regionArray << job.read.timeStep << job.filter.regions << job.filter.exclude
        << job.filter.boxMin << job.filter.boxMax;

@@ -64,6 +64,8 @@ struct Format {
   /// The times of a file's steps in order; empty if it has none. Null if kSteps is not in `holds`,
   /// and for files that name others (.pvd).
   std::vector<double> (*readTimes)(const Source&, Report&, Progress&) = nullptr;
+  /// The other files that are read for a step (-1: the last); null for formats of a single file.
+  std::vector<std::string> (*filesOfStep)(const Source&, int step) = nullptr;
 
   void (*writeTets)(const std::string& path, const TetMesh&, Progress&) = nullptr;
   void (*writeTriangles)(const std::string& path, const TriangleMesh&, Progress&) = nullptr;

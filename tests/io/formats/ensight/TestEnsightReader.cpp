@@ -12,6 +12,17 @@ namespace {
 using namespace test;
 namespace fs = std::filesystem;
 
+TEST(EnsightReader, FilesOfAStep) {
+  const std::string path = dataFile("readers/ensight.0.case");
+  const MappedFile file(path);
+  std::vector<std::string> names;
+  for (const std::string& name : ensightFiles(file.source(), -1))
+    names.push_back(name.substr(name.rfind('/') + 1));
+  EXPECT_EQ(names.front(), "ensight.0.00000.geo");
+  EXPECT_EQ(names.size(), 5u);
+  EXPECT_THROW(ensightFiles(file.source(), 7), Error);
+}
+
 TEST(EnsightReader, CBinaryAsVtkWritesIt) {
   const CellMesh mesh = readSample(readEnsight, "ensight.0.case");
   expectBlocks(mesh, 1, "T_n", "C_c");

@@ -24,6 +24,14 @@ namespace tetvdb {
 namespace ensight {
 namespace {
 
+/// The step that is read; 0 where there are none. Throws Error(Usage) for one that does not exist.
+std::size_t stepOf(const std::vector<double>& times, int timeStep, const std::string& path) {
+  if (timeStep >= 0 && static_cast<std::size_t>(timeStep) >= times.size())
+    throw Error(Status::Usage, path, "has no time step " + std::to_string(timeStep + 1),
+                "it has " + std::to_string(times.size()));
+  return timeStep >= 0 ? static_cast<std::size_t>(timeStep) : times.empty() ? 0 : times.size() - 1;
+}
+
 /// The element type of a name, without the "g_" of ghosts; null for unknown names.
 const CellKind* kindOf(const std::string& name) {
   static const CellKind kinds[] = {
@@ -445,13 +453,7 @@ CellMesh readEnsight(const Source& source, const ReadOptions& options, Report& r
     if (options.attributes)
       report.warn("array-left-out", "a variable is left out: '" + kind + "' is not read");
   std::vector<double> times = theCase.times();
-  if (options.timeStep >= 0 && static_cast<std::size_t>(options.timeStep) >= times.size())
-    throw Error(Status::Usage, source.path,
-                "has no time step " + std::to_string(options.timeStep + 1),
-                "it has " + std::to_string(times.size()));
-  const std::size_t step = options.timeStep >= 0 ? static_cast<std::size_t>(options.timeStep)
-                           : times.empty()       ? 0
-                                                 : times.size() - 1;
+  const std::size_t step = stepOf(times, options.timeStep, source.path);
   const StepPlace place = theCase.placeOf(theCase.geometry, step, source.path);
   const MappedFile file(place.path);
   const Source bytes = file.source();
@@ -477,13 +479,22 @@ CellMesh readEnsight(const Source& source, const ReadOptions& options, Report& r
 bool ensightHasSolidCells(const Source& source, Report&, Progress& progress) {
   using namespace ensight;
   const Case theCase = parseCase(source);
-  const std::size_t steps = theCase.times().size();
   const StepPlace place =
-      theCase.placeOf(theCase.geometry, steps == 0 ? 0 : steps - 1, source.path);
+      theCase.placeOf(theCase.geometry, stepOf(theCase.times(), -1, source.path), source.path);
   const MappedFile file(place.path);
   const Source bytes = file.source();
   const ReadOptions options;
   return Geometry(bytes, place.number, options, progress).hasSolidCells();
+}
+
+std::vector<std::string> ensightFiles(const Source& source, int timeStep) {
+  using namespace ensight;
+  const Case theCase = parseCase(source);
+  const std::size_t step = stepOf(theCase.times(), timeStep, source.path);
+  std::vector<std::string> files{theCase.placeOf(theCase.geometry, step, source.path).path};
+  for (const Variable& variable : theCase.variables)
+    files.push_back(theCase.placeOf(variable.file, step, source.path).path);
+  return files;
 }
 
 std::vector<double> ensightTimes(const Source& source, Report&, Progress&) {

@@ -10,6 +10,7 @@
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/mesh/CellMesh.h"
 
+#include <string>
 #include <vector>
 
 namespace tetvdb {
@@ -25,6 +26,9 @@ CellMesh readEnsight(const Source& source, const ReadOptions& options, Report& r
 /// Whether the geometry of the last step has solid cells: reads it up to the first section of
 /// these.
 bool ensightHasSolidCells(const Source& source, Report& report, Progress& progress);
+
+/// The files that are read for a step (the last if it is -1), all variables among them.
+std::vector<std::string> ensightFiles(const Source& source, int timeStep);
 
 /// The times of the steps, ascending.
 std::vector<double> ensightTimes(const Source& source, Report& report, Progress& progress);

@@ -18,8 +18,8 @@ TEST(EnsightReader, FilesOfAStep) {
   std::vector<std::string> names;
   for (const std::string& name : ensightFiles(file.source(), -1))
     names.push_back(name.substr(name.rfind('/') + 1));
-  EXPECT_EQ(names.front(), "ensight.0.00000.geo");
-  EXPECT_EQ(names.size(), 5u);
+  EXPECT_EQ(names, (std::vector<std::string>{"ensight.0.00000.geo", "ensight.0.00000_n.T",
+                                             "ensight.0.00000_n.V", "ensight.0.00000_c.C"}));
   EXPECT_THROW(ensightFiles(file.source(), 7), Error);
 }
 

@@ -58,7 +58,8 @@ void smoothCells(TetMesh& mesh) {
   };
   std::vector<Attribute*> chosen;
   for (Attribute& array : mesh.attributes)
-    if (array.on == Attribute::On::Cells && !array.isInteger() && !isAtPoints(array))
+    if (array.on == Attribute::On::Cells && !array.isInteger() && !isAtPoints(array) &&
+        array.size() == mesh.cellCount) // others are told where they are used
       chosen.push_back(&array);
   tbb::parallel_for(std::size_t(0), chosen.size(), [&](std::size_t i) {
     Attribute& array = *chosen[i];

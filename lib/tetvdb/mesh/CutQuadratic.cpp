@@ -2,12 +2,12 @@
 #include "tetvdb/mesh/CutQuadratic.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/mesh/AddedValues.h"
 #include "tetvdb/mesh/CutTet10.h"
 #include "tetvdb/mesh/SplitByShape.h"
 #include "tetvdb/mesh/SplitPolyhedron.h"
 
 #include <algorithm>
-#include <type_traits>
 
 namespace tetvdb {
 namespace {
@@ -227,31 +227,17 @@ QuadraticCutter::FaceHash::operator()(const std::array<std::uint32_t, 4>& corner
 }
 
 void QuadraticCutter::addValues(Attribute& array) const {
-  std::visit(
-      [&](auto& values) {
-        using T = typename std::decay_t<decltype(values)>::value_type;
-        const std::size_t width = array.components;
-        if (values.size() != first_ * width) // told where the array is used
-          return;
-        values.reserve(points_.size() * width);
-        for (const Added& added : added_)
-          for (std::size_t k = 0; k < width; ++k) {
-            const auto number = [&](std::size_t i) { return values[added.nodes[i] * width + k]; };
-            if constexpr (std::is_integral_v<T>) {
-              values.push_back(T(number(0)));
-            } else {
-              // Of differences, so that a constant stays itself.
-              const auto base = static_cast<double>(number(0));
-              double sum = base;
-              for (std::size_t i = 1; i < added.corners; ++i)
-                sum -= 0.25 * (static_cast<double>(number(i)) - base);
-              for (std::size_t i = 0; i < added.mids(); ++i)
-                sum += added.midWeight() * (static_cast<double>(number(added.corners + i)) - base);
-              values.push_back(static_cast<T>(sum));
-            }
-          }
-      },
-      array.values);
+  appendAddedValues(
+      array, first_, added_.size(), [&](std::size_t i) { return added_[i].nodes.data(); },
+      [&](std::size_t i, double base, const auto& difference) {
+        const Added& added = added_[i];
+        double sum = base;
+        for (std::size_t k = 1; k < added.corners; ++k)
+          sum -= 0.25 * difference(k);
+        for (std::size_t k = 0; k < added.mids(); ++k)
+          sum += added.midWeight() * difference(added.corners + k);
+        return sum;
+      });
 }
 
 } // namespace tetvdb

@@ -2,11 +2,11 @@
 #include "tetvdb/mesh/SplitPolyhedron.h"
 
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/mesh/AddedValues.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <type_traits>
 
 namespace tetvdb {
 namespace {
@@ -141,7 +141,8 @@ PolyhedronFaces polyhedronFaces(const std::uint32_t* numbers, std::size_t size) 
   return faces;
 }
 
-std::uint32_t PolyhedronCutter::addPoint(const Vec3d& p, std::vector<std::uint32_t> vertices) {
+std::uint32_t PolyhedronCutter::addPoint(const Vec3d& p,
+                                         const std::vector<std::uint32_t>& vertices) {
   points_.push_back(p);
   vertices_.insert(vertices_.end(), vertices.begin(), vertices.end());
   begin_.push_back(vertices_.size());
@@ -236,31 +237,15 @@ PolyhedronCut PolyhedronCutter::cut(PolyhedronFaces faces, std::vector<std::uint
 }
 
 void PolyhedronCutter::addValues(Attribute& array) const {
-  std::visit(
-      [&](auto& values) {
-        using T = typename std::decay_t<decltype(values)>::value_type;
-        const std::size_t width = array.components;
-        if (values.size() != first_ * width) // told where the array is used
-          return;
-        values.reserve(points_.size() * width);
-        for (std::size_t i = 0; i + 1 < begin_.size(); ++i)
-          for (std::size_t k = 0; k < width; ++k) {
-            const auto number = [&](std::size_t v) { return values[vertices_[v] * width + k]; };
-            const T first = number(begin_[i]);
-            if constexpr (std::is_integral_v<T>) {
-              values.push_back(T(first));
-            } else {
-              // Of differences, so that a constant stays itself.
-              double sum = 0;
-              for (std::size_t v = begin_[i]; v < begin_[i + 1]; ++v)
-                sum += static_cast<double>(number(v)) - static_cast<double>(first);
-              values.push_back(
-                  static_cast<T>(static_cast<double>(first) +
-                                 sum / static_cast<double>(begin_[i + 1] - begin_[i])));
-            }
-          }
-      },
-      array.values);
+  appendAddedValues(
+      array, first_, begin_.size() - 1, [&](std::size_t i) { return &vertices_[begin_[i]]; },
+      [&](std::size_t i, double base, const auto& difference) {
+        const std::size_t count = begin_[i + 1] - begin_[i];
+        double sum = 0;
+        for (std::size_t k = 0; k < count; ++k)
+          sum += difference(k);
+        return base + sum / static_cast<double>(count);
+      });
 }
 
 } // namespace tetvdb

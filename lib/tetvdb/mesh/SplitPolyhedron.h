@@ -49,7 +49,7 @@ struct PolyhedronFaces {
 PolyhedronFaces polyhedronFaces(const std::uint32_t* numbers, std::size_t size);
 
 enum class PolyhedronCut : std::uint8_t {
-  None,         ///< no tets: its faces do not close or fit no orientation, or it is hollow
+  None,         ///< no tets: its faces do not close or fit no orientation, or most is inverted
   FromVertex,   ///< from its smallest vertex
   AroundCentre, ///< around a point that was added
   Concave       ///< likewise, and some of its tets, up to half of the others' volume, are inverted
@@ -75,7 +75,7 @@ public:
 private:
   static constexpr std::uint32_t kNone = 0xffffffffU;
 
-  std::uint32_t addPoint(const Vec3d& p, std::vector<std::uint32_t> vertices);
+  std::uint32_t addPoint(const Vec3d& p, const std::vector<std::uint32_t>& vertices);
   std::uint32_t centreOf(const std::uint32_t* corners, std::size_t count);
   std::array<double, 2> join(const PolyhedronFaces& faces, std::uint32_t apex,
                              std::vector<std::uint32_t>& tets) const;

@@ -8,6 +8,7 @@
 #include "tetvdb/core/Letters.h"
 #include "tetvdb/io/cells/CellRuns.h"
 #include "tetvdb/io/source/Advice.h"
+#include "tetvdb/io/source/TimeStep.h"
 #include "tetvdb/io/text/ByteReader.h"
 #include "tetvdb/io/text/NumberParser.h"
 #include "tetvdb/mesh/CurvedShape.h"
@@ -99,14 +100,7 @@ public:
       skipValues(result);
     });
     mesh_.times = times_;
-    const std::vector<double>& times = times_;
-    if (options_.timeStep >= 0 && static_cast<std::size_t>(options_.timeStep) >= times.size())
-      throw Error(Status::Usage, source_.path,
-                  "has no time step " + std::to_string(options_.timeStep + 1),
-                  "it has " + std::to_string(times.size()));
-    const std::size_t wanted = options_.timeStep >= 0 ? static_cast<std::size_t>(options_.timeStep)
-                               : times.empty()        ? 0
-                                                      : times.size() - 1;
+    const auto wanted = chosenStep(times_.size(), options_.timeStep, source_.path);
     for (const Block& block : blocks)
       if (block.step == wanted && options_.attributes) {
         at_ = block.at;

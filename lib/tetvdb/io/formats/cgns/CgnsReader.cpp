@@ -11,6 +11,7 @@
 #include "tetvdb/io/formats/vtk/VtkCells.h"
 #include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/source/IsolatedRead.h"
+#include "tetvdb/io/source/TimeStep.h"
 
 #include <algorithm>
 #include <cgnslib.h>
@@ -88,14 +89,8 @@ public:
     CellMesh whole;
     std::vector<double> allTimes = times();
     const std::size_t steps = allTimes.size();
-    if (options_.timeStep >= 0 && static_cast<std::size_t>(options_.timeStep) >= steps)
-      throw Error(Status::Usage, source_.path,
-                  "has no time step " + std::to_string(options_.timeStep + 1),
-                  "it has " + std::to_string(steps));
+    step_ = chosenStep(steps, options_.timeStep, source_.path).value_or(0);
     steps_ = steps;
-    step_ = options_.timeStep >= 0 ? static_cast<std::size_t>(options_.timeStep)
-            : steps == 0           ? 0
-                                   : steps - 1;
     std::vector<std::int32_t> regions;
     std::map<std::int32_t, std::string> names;
     for (int zone = 1; zone <= zones_; ++zone) {

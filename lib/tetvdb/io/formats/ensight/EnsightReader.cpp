@@ -10,6 +10,7 @@
 #include "tetvdb/io/formats/ensight/EnsightCase.h"
 #include "tetvdb/io/formats/ensight/EnsightInput.h"
 #include "tetvdb/io/source/Advice.h"
+#include "tetvdb/io/source/TimeStep.h"
 
 #include <algorithm>
 #include <array>
@@ -23,14 +24,6 @@
 namespace tetvdb {
 namespace ensight {
 namespace {
-
-/// The step that is read; 0 where there are none. Throws Error(Usage) for one that does not exist.
-std::size_t stepOf(const std::vector<double>& times, int timeStep, const std::string& path) {
-  if (timeStep >= 0 && static_cast<std::size_t>(timeStep) >= times.size())
-    throw Error(Status::Usage, path, "has no time step " + std::to_string(timeStep + 1),
-                "it has " + std::to_string(times.size()));
-  return timeStep >= 0 ? static_cast<std::size_t>(timeStep) : times.empty() ? 0 : times.size() - 1;
-}
 
 /// The element type of a name, without the "g_" of ghosts; null for unknown names.
 const CellKind* kindOf(const std::string& name) {
@@ -453,7 +446,7 @@ CellMesh readEnsight(const Source& source, const ReadOptions& options, Report& r
     if (options.attributes)
       report.warn("array-left-out", "a variable is left out: '" + kind + "' is not read");
   std::vector<double> times = theCase.times();
-  const std::size_t step = stepOf(times, options.timeStep, source.path);
+  const std::size_t step = chosenStep(times.size(), options.timeStep, source.path).value_or(0);
   const StepPlace place = theCase.placeOf(theCase.geometry, step, source.path);
   const MappedFile file(place.path);
   const Source bytes = file.source();
@@ -480,7 +473,8 @@ bool ensightHasSolidCells(const Source& source, Report&, Progress& progress) {
   using namespace ensight;
   const Case theCase = parseCase(source);
   const StepPlace place =
-      theCase.placeOf(theCase.geometry, stepOf(theCase.times(), -1, source.path), source.path);
+      theCase.placeOf(theCase.geometry,
+                      chosenStep(theCase.times().size(), -1, source.path).value_or(0), source.path);
   const MappedFile file(place.path);
   const Source bytes = file.source();
   const ReadOptions options;
@@ -490,7 +484,7 @@ bool ensightHasSolidCells(const Source& source, Report&, Progress& progress) {
 std::vector<std::string> ensightFiles(const Source& source, int timeStep) {
   using namespace ensight;
   const Case theCase = parseCase(source);
-  const std::size_t step = stepOf(theCase.times(), timeStep, source.path);
+  const std::size_t step = chosenStep(theCase.times().size(), timeStep, source.path).value_or(0);
   std::vector<std::string> files{theCase.placeOf(theCase.geometry, step, source.path).path};
   for (const Variable& variable : theCase.variables)
     files.push_back(theCase.placeOf(variable.file, step, source.path).path);

@@ -7,6 +7,7 @@
 #include "tetvdb/io/formats/exodus/NetCdfSize.h"
 #include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/source/IsolatedRead.h"
+#include "tetvdb/io/source/TimeStep.h"
 #include "tetvdb/mesh/CurvedShape.h"
 
 #include <algorithm>
@@ -439,14 +440,7 @@ private:
 
   /// The step whose variables are requested; none if there are no steps.
   std::optional<std::size_t> step() const {
-    const std::size_t steps = file_.dimension("time_step").value_or(0);
-    if (options_.timeStep >= 0 && static_cast<std::size_t>(options_.timeStep) >= steps)
-      throw Error(Status::Usage, file_.path(),
-                  "has no time step " + std::to_string(options_.timeStep + 1),
-                  "it has " + std::to_string(steps));
-    if (steps == 0)
-      return {};
-    return options_.timeStep < 0 ? steps - 1 : static_cast<std::size_t>(options_.timeStep);
+    return chosenStep(file_.dimension("time_step").value_or(0), options_.timeStep, file_.path());
   }
 
   void readNodalVariables() {

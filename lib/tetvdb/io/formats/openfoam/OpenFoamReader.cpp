@@ -7,6 +7,7 @@
 #include "tetvdb/io/formats/openfoam/FoamFile.h"
 #include "tetvdb/io/formats/openfoam/PolyMesh.h"
 #include "tetvdb/io/source/Advice.h"
+#include "tetvdb/io/source/TimeStep.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +25,7 @@ struct Placed {
   std::size_t firstPoint = 0, points = 0, firstCell = 0, cells = 0;
 };
 
-// Appends a mesh; zones become regions unless the case has several meshes.
+// Appends a mesh, checked; says where it lies.
 Placed add(const PolyMesh& poly, const std::string& where, CellMesh& mesh) {
   check(poly, where);
   checkPointCount(mesh.points.size() + poly.points.size(), where);
@@ -61,23 +62,13 @@ void addZones(const std::vector<Zone>& zones, const Placed& placed, const std::s
   }
 }
 
-std::optional<std::size_t> timeOf(const FoamCase& from, int step, const std::string& path) {
-  const std::size_t count = from.times().size();
-  if (step >= 0 && static_cast<std::size_t>(step) >= count)
-    throw Error(Status::Usage, path, "has no time step " + std::to_string(step + 1),
-                "it has " + std::to_string(count));
-  if (step >= 0)
-    return static_cast<std::size_t>(step);
-  return count > 0 ? std::optional<std::size_t>(count - 1) : std::nullopt;
-}
-
 class CaseReader {
 public:
   CaseReader(const Source& source, const ReadOptions& options, Report& report, Progress& progress)
       : source_(source), options_(options), report_(report), progress_(progress), case_(source) {}
 
   CellMesh read() {
-    time_ = timeOf(case_, options_.timeStep, source_.path);
+    time_ = chosenStep(case_.times().size(), options_.timeStep, source_.path);
     mesh_.times = case_.times();
     for (const CasePart& part : case_.parts()) {
       progress_.check();
@@ -240,7 +231,7 @@ CellMesh readOpenFoam(const Source& source, const ReadOptions& options, Report& 
 
 std::vector<std::string> openFoamFiles(const Source& source, int timeStep) {
   const openfoam::FoamCase from(source);
-  const std::optional<std::size_t> time = openfoam::timeOf(from, timeStep, source.path);
+  const std::optional<std::size_t> time = chosenStep(from.times().size(), timeStep, source.path);
   std::vector<std::string> files;
   for (const openfoam::CasePart& part : from.parts()) {
     for (const char* name : {"points", "faces", "owner", "neighbour", "cellZones"})

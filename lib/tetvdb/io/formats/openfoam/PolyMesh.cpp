@@ -45,7 +45,6 @@ public:
     visit([&](std::uint32_t cell, std::size_t face) { faces_[next[cell]++] = face; });
   }
 
-  std::size_t count(std::size_t cell) const { return begin_[cell + 1] - begin_[cell]; }
   void of(std::size_t cell, std::vector<Side>& sides) const {
     sides.clear();
     for (std::size_t k = begin_[cell]; k < begin_[cell + 1]; ++k) {

@@ -9,6 +9,7 @@
 #include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/source/Hdf5File.h"
 #include "tetvdb/io/source/IsolatedRead.h"
+#include "tetvdb/io/source/TimeStep.h"
 
 #include <algorithm>
 #include <string>
@@ -177,16 +178,12 @@ private:
   }
 
   void chooseStep() {
-    const std::uint64_t steps = stepCount();
-    if (options_.timeStep >= 0 && static_cast<std::uint64_t>(options_.timeStep) >= steps)
-      throw Error(Status::Usage, source_.path,
-                  "has no time step " + std::to_string(options_.timeStep + 1),
-                  "it has " + std::to_string(steps));
+    const auto step = chosenStep(stepCount(), options_.timeStep, source_.path);
     start_.parts = file_.shape(kRoot + "/NumberOfPoints").at(0);
-    if (steps == 0)
+    if (!step)
       return;
     isStepped_ = true;
-    step_ = options_.timeStep < 0 ? steps - 1 : static_cast<std::uint64_t>(options_.timeStep);
+    step_ = *step;
     start_.firstPart = ofStep("PartOffsets").value_or(0);
     if (const auto parts = ofStep("NumberOfParts"))
       start_.parts = *parts;

@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/formats/xdmf/XdmfReader.h"
 #include "tetvdb/io/source/Advice.h"
+#include "tetvdb/io/source/TimeStep.h"
 #include "tetvdb/io/text/NumberParser.h"
 
 #include <filesystem>
@@ -93,10 +94,7 @@ XdmfGrids::Step XdmfGrids::step(pugi::xml_node temporal, int timeStep) const {
   if (temporal && step.count == 0)
     throw Error(Status::Invalid, markup_.where(temporal), "the temporal collection is empty",
                 "export it again");
-  if (timeStep >= 0 && static_cast<std::size_t>(timeStep) >= step.count)
-    throw Error(Status::Usage, markup_.path(), "has no time step " + std::to_string(timeStep + 1),
-                "it has " + std::to_string(step.count));
-  step.index = timeStep >= 0 ? static_cast<std::size_t>(timeStep) : step.count - (step.count > 0);
+  step.index = chosenStep(step.count, timeStep, markup_.path()).value_or(0);
   return step;
 }
 

@@ -3,7 +3,7 @@
 // Types for writing a grid: the places of its nodes, and their numbers.
 #pragma once
 
-#include "NodeStatistics.h"
+#include "GridValues.h"
 
 #include <cstring>
 #include <string>

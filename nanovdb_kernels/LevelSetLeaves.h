@@ -20,13 +20,13 @@ struct AnyShared {
 struct SignShared {
   static constexpr int kThreads = 32, kOccupancy = 32;
   u64 inside[8], active[8];
-  i32 minValue, maxValue;
+  TeamExtremes<u32> extremes;
   Moments part[kParts];
 };
 
 struct FogShared {
   static constexpr int kThreads = 32, kOccupancy = 32;
-  i32 least;
+  TeamExtremes<u32> extremes;
 };
 
 /// What makes fog of a level set, found on the backend.
@@ -184,18 +184,16 @@ public:
       b_.template forTeams<FogShared>(
           made.count, 32, TETVDB_KERNEL(const Team& team, u64 i, FogShared& s) {
             if (team.rank() == 0)
-              s.least = 0x7FFFFFFF;
+              s.extremes.clear();
             team.sync();
-            i32 least = 0x7FFFFFFF;
-            for (int n = team.rank(); n < kVoxelsInLeaf; n += team.size()) {
-              const i32 value = inOrder(leaves[i].mValues[n], true);
-              least = value < least ? value : least;
-            }
-            minInto(&s.least, least);
+            Extremes<u32> own;
+            for (int n = team.rank(); n < kVoxelsInLeaf; n += team.size())
+              own.add(leaves[i].mValues[n], leaves[i].mValues[n], 0, true);
+            s.extremes.join(own);
             team.sync();
             if (team.rank() == 0) {
-              keptHere[i] = s.least < 0 ? 1u : 0u; // as in order, so as numbers
-              minInto(&fog->least, s.least);
+              keptHere[i] = s.extremes.least < 0 ? 1u : 0u; // as in order, so as numbers
+              minInto(&fog->least, s.extremes.least);
             }
             team.sync();
           });
@@ -250,16 +248,14 @@ public:
     bool active;
   };
   TETVDB_HD static void clearLeaf(const Team& team, SignShared& s) {
-    if (team.rank() == 0) {
-      s.minValue = 0x7FFFFFFF;
-      s.maxValue = -0x7FFFFFFF - 1;
-    }
+    if (team.rank() == 0)
+      s.extremes.clear();
     team.sync();
   }
   template <typename ValueAt>
   TETVDB_HD static void addPart(SignShared& s, int p, const ValueAt& valueAt) {
     Moments part{0, 0, 0};
-    i32 min = 0x7FFFFFFF, max = -0x7FFFFFFF - 1;
+    Extremes<u32> own;
     for (int r = p; r < kRowsInLeaf; r += kParts) {
       u32 active = 0;
       for (int z = 0; z < kLeafSize; ++z) {
@@ -267,18 +263,13 @@ public:
         if (!v.active)
           continue;
         active |= 1u << z;
-        const i32 place = inOrder(bitsOf(v.value), true);
-        min = place < min ? place : min;
-        max = place > max ? place : max;
+        own.add(bitsOf(v.value), bitsOf(v.value), 0, true);
         addMoments(part, {1, static_cast<double>(v.value), 0});
       }
       reinterpret_cast<u8*>(s.active)[r] = static_cast<u8>(active);
     }
     s.part[p] = part;
-    if (min <= max) {
-      minInto(&s.minValue, min);
-      maxInto(&s.maxValue, max);
-    }
+    s.extremes.join(own);
   }
   TETVDB_HD static Moments finishLeaf(SignShared& s, const i32 (&origin)[3], ValueLeaf& node) {
     u64* head = reinterpret_cast<u64*>(&node);
@@ -287,7 +278,7 @@ public:
     for (int x = 0; x < 8; ++x)
       head[2 + x] = s.active[x];
     const Moments sum = sumParts(s);
-    setValues(node, valuesOf(s.minValue, s.maxValue, sum, true));
+    setValues(node, valuesOf(s.extremes.least, s.extremes.most, sum, true));
     return sum;
   }
 

@@ -4,6 +4,8 @@
 #include "Commands.h"
 #include "ParseQuantities.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/Formats.h"
+#include "tetvdb/io/VolumeFile.h"
 
 #include <algorithm>
 #include <cmath>
@@ -53,6 +55,57 @@ ArrayOptions parseArrays(const ArrayTexts& texts, const std::string& output) {
                                    : "--sparse",
                 "is for arrays, and the output is none",
                 "leave it out, or end the output's name with " + arrayEndings());
+  return options;
+}
+
+void addArrayInputOptions(CLI::App& command, ArrayInputTexts& texts) {
+  command
+      .add_option("--voxel-size", texts.voxelSize,
+                  "Of arrays that are read: a voxel's side, or one for each axis (default: the "
+                  "file's, or 1)")
+      ->type_name("H|HX,HY,HZ")
+      ->check(notEmpty());
+  command
+      .add_option("--origin", texts.origin,
+                  "Of arrays that are read: the centre of voxel (0, 0, 0) (default: the file's, or "
+                  "0,0,0)")
+      ->type_name("X,Y,Z")
+      ->check(notEmpty());
+  command
+      .add_option("--axes", texts.axes,
+                  "Of .npy and .npz files without a transform: whether arrays are [x][y][z] "
+                  "(default) or [z][y][x]")
+      ->check(CLI::IsMember({"xyz", "zyx"}))
+      ->type_name("xyz|zyx");
+  command
+      .add_option("--background", texts.background,
+                  "Of arrays that are read: the value of voxels that are left out (default 0; of a "
+                  "level set its largest)")
+      ->type_name("V")
+      ->check(notEmpty());
+}
+
+ArrayInput parseArrayInput(const ArrayInputTexts& texts, const std::string& input) {
+  ArrayInput options;
+  if (!texts.voxelSize.empty())
+    options.voxelSize = parseVoxelSize("--voxel-size", texts.voxelSize);
+  if (!texts.origin.empty())
+    options.origin = parsePoint("--origin", texts.origin);
+  options.zSlowest = texts.axes == "zyx";
+  if (!texts.background.empty()) {
+    const std::vector<double> numbers = parseNumbers("--background", texts.background);
+    if (numbers.size() != 1 || !std::isfinite(numbers.front()))
+      refuse("--background", texts.background, "give one number");
+    options.background = numbers.front();
+  }
+  if ((options.voxelSize || options.origin || !texts.axes.empty() || options.background) &&
+      !can(formatOf(volumeFormatOf(input)), FormatUse::ReadArrays))
+    throw Error(Status::Usage,
+                options.voxelSize    ? "--voxel-size"
+                : options.origin     ? "--origin"
+                : options.background ? "--background"
+                                     : "--axes",
+                "is for arrays, and the input is none", "leave it out");
   return options;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Options of commands that write arrays.
+// Options of commands that write or read arrays.
 #pragma once
 
 #include "tetvdb/io/ArrayFile.h"
@@ -14,6 +14,16 @@ struct ArrayTexts {
   std::string box;
   bool sparse = false, compress = false;
 };
+
+struct ArrayInputTexts {
+  std::string voxelSize, origin, axes, background;
+};
+
+/// --voxel-size, --origin, --axes and --background.
+void addArrayInputOptions(CLI::App& command, ArrayInputTexts& texts);
+
+/// Checked; throws Error(Usage), also where one is given and `input` is no array file.
+ArrayInput parseArrayInput(const ArrayInputTexts& texts, const std::string& input);
 
 /// --box, --sparse and --compress.
 void addArrayFlags(CLI::App& command, ArrayTexts& texts);

@@ -3,7 +3,6 @@
 #include "CompareMeshFiles.h"
 #include "JsonReport.h"
 #include "ProcessLimits.h"
-#include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/VolumeStream.h"
@@ -44,7 +43,7 @@ are within 1e-9 of the diagonal.)";
 
 bool isVolume(const std::string& path) {
   const MappedFile readable(path); // a missing file is told apart from one that is no volume
-  return signatureOf(path) != VolumeSignature::None;
+  return isVolumeFile(path);
 }
 
 // With a tolerance only values decide; without one everything but metadata does.
@@ -133,8 +132,8 @@ void runCompare(const CompareArguments& options, Session& session) {
   session.progress.stage("read");
   const Volume a = readVolume(options.a, session.progress);
   const Volume b = readVolume(options.b, session.progress);
-  warnOfUnread(a, options.a, session.report);
-  warnOfUnread(b, options.b, session.report);
+  warnOfReading(a, options.a, session.report);
+  warnOfReading(b, options.b, session.report);
   session.progress.stage("compare");
   const VolumeComparison comparison = compareVolumes(a, b);
   report(comparison, options, session);

@@ -6,9 +6,9 @@
 #include "NumberText.h"
 #include "ProcessLimits.h"
 #include "TileOptions.h"
-#include "VolumeSignature.h"
 #include "tetvdb/io/ArrayFile.h"
 #include "tetvdb/io/Formats.h"
+#include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/pipeline/ConvertJob.h"
 
@@ -24,6 +24,7 @@ struct ConvertArguments : JobOptions {
   std::string input, output;
   std::vector<std::string> grids;
   ArrayTexts arrays;
+  ArrayInputTexts arrayInput;
   TileTexts tiles;
   double simplify = 0;
 };
@@ -42,6 +43,9 @@ const char* const kConvertExamples = R"(Examples:
   tetvdb convert mask.vdb -o mask.binvox
   tetvdb convert smoke.vdb -o smoke.obj --simplify 0.1
       the surface of a volume: a mask, a fog at 0.5 or a level set at 0
+  tetvdb convert scan.nrrd -o scan.vdb
+  tetvdb convert predicted.npy -o predicted.vdb --voxel-size 0.5
+      arrays as sparse grids; voxels of the value 0 are left out
   tetvdb convert smoke.vdb --tiles smoke --tile-size 512
       one .vdb file for every 512^3 voxels that hold any: smoke/tile_0.vdb and so on, and
       smoke/tiles.json
@@ -59,11 +63,12 @@ ConvertJob makeJob(const ConvertArguments& options) {
   if (job.output.empty())
     throw Error(Status::Usage, "", "no output was given", "name one with -o FILE");
   const MappedFile readable(options.input); // says so at once if the file is not there
-  job.isVolume = signatureOf(options.input) != VolumeSignature::None;
+  job.isVolume = isVolumeFile(options.input);
   for (const std::string& name : options.grids)
     if (!name.empty())
       job.grids.push_back(name);
   job.arrays = parseArrays(options.arrays, options.output);
+  job.arrayInput = parseArrayInput(options.arrayInput, options.input);
   if (!std::isfinite(options.simplify) || options.simplify < 0)
     throw Error(Status::Usage, "--simplify", "must be a number of voxels, zero or more");
   job.simplify = options.simplify;
@@ -120,7 +125,10 @@ Command addConvert(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "convert", "Write a mesh or a volume in another format, as arrays, or as its surface");
   auto options = std::make_shared<ConvertArguments>();
-  command->add_option("IN", options->input, "A mesh of triangles or tets, or a volume")
+  command
+      ->add_option("IN", options->input,
+                   "A mesh of triangles or tets, a volume, or dense arrays: " +
+                       endingList(FormatUse::ReadArrays))
       ->required()
       ->type_name("");
   command
@@ -141,6 +149,7 @@ Command addConvert(CLI::App& program) {
       ->allow_extra_args(false);
   addTileOptions(*command, options->tiles);
   addArrayFlags(*command, options->arrays);
+  addArrayInputOptions(*command, options->arrayInput);
   command
       ->add_option("--simplify", options->simplify,
                    "Merge triangles of a volume's surface while it moves no more than E voxels "

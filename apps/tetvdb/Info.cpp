@@ -6,7 +6,6 @@
 #include "NumberText.h"
 #include "OptionNames.h"
 #include "ProcessLimits.h"
-#include "VolumeSignature.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/VolumeStream.h"
 #include "tetvdb/pipeline/ReadInput.h"
@@ -94,8 +93,7 @@ StreamedInfo readInfo(const std::string& path, bool withHash, std::vector<Unread
 void describeVolume(const std::string& path, bool withHash, Json& section, Session& session) {
   std::vector<UnreadGrid> unread;
   const StreamedInfo volume = readInfo(path, withHash, unread, session.progress);
-  section["format"] =
-      signatureOf(path) == VolumeSignature::NanoVDB ? "NanoVDB .nvdb" : "OpenVDB .vdb";
+  section["format"] = formatName(volumeFormatOf(path));
   section["kind"] = "volume";
   session.text += fmt::format("{}: {}\n", oneLine(path), section["format"].get<std::string>());
   Json metadata = Json::object();
@@ -123,7 +121,7 @@ void describeVolume(const std::string& path, bool withHash, Json& section, Sessi
 
 void describeFile(const std::string& path, const InfoArguments& options, Json& section,
                   Session& session) {
-  if (signatureOf(path) != VolumeSignature::None) {
+  if (isVolumeFile(path)) {
     session.progress.stage("read");
     describeVolume(path, options.hash, section, session);
     return;

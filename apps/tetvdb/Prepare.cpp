@@ -5,8 +5,8 @@
 #include "NumberText.h"
 #include "ParseQuantities.h"
 #include "ProcessLimits.h"
-#include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/pipeline/PrepareJob.h"
 
@@ -143,7 +143,7 @@ PrepareJob makeJob(const PrepareArguments& options) {
   PrepareJob job;
   job.input = options.input;
   const MappedFile readable(options.input); // says so at once if the file is not there
-  job.isVolume = signatureOf(options.input) != VolumeSignature::None;
+  job.isVolume = isVolumeFile(options.input);
   job.grid = options.grid;
   if (!job.grid.empty() && !job.isVolume)
     throw Error(Status::Usage, "--grid", "chooses a grid of a volume; the input is a mesh",

@@ -3,8 +3,8 @@
 
 #include "Commands.h"
 #include "ParseQuantities.h"
-#include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/pipeline/MeshObjects.h"
 
@@ -145,7 +145,7 @@ SliceJob sliceJobFrom(const PrinterOptions& options, const std::vector<std::stri
   job.inputs = inputs;
   for (const std::string& input : inputs) {
     const MappedFile readable(input); // says so at once if the file is not there
-    job.isVolume = job.isVolume || signatureOf(input) != VolumeSignature::None;
+    job.isVolume = job.isVolume || isVolumeFile(input);
   }
   job.grid = options.grid;
   if (!job.grid.empty() && !job.isVolume)

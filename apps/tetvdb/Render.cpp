@@ -5,8 +5,8 @@
 #include "ParsePictures.h"
 #include "ProcessLimits.h"
 #include "ProgressDisplay.h"
-#include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/pipeline/PlannedStages.h"
 #include "tetvdb/pipeline/RenderJob.h"
@@ -93,7 +93,7 @@ RenderJob makeJob(const RenderArguments& options) {
   RenderJob job;
   for (const std::string& path : options.inputs) {
     const MappedFile readable(path); // says so at once if the file is not there
-    job.inputs.push_back({path, signatureOf(path) != VolumeSignature::None});
+    job.inputs.push_back({path, isVolumeFile(path)});
   }
   job.output = options.output;
   job.look.color = options.color;

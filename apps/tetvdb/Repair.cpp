@@ -6,8 +6,8 @@
 #include "OptionNames.h"
 #include "ParseQuantities.h"
 #include "ProcessLimits.h"
-#include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/pipeline/MeshObjects.h"
 #include "tetvdb/pipeline/RepairJob.h"
@@ -63,7 +63,7 @@ RepairJob makeJob(const RepairArguments& options, const CLI::App& command) {
   job.grid = options.grid;
   for (const std::string& input : options.inputs) {
     const MappedFile readable(input); // says so at once if the file is not there
-    job.isVolume = signatureOf(input) != VolumeSignature::None;
+    job.isVolume = isVolumeFile(input);
     if (job.isVolume && options.inputs.size() > 1)
       throw Error(Status::Usage, input, "is a volume; several inputs must be meshes",
                   "repair it by itself");

@@ -64,7 +64,8 @@ const char* const kVoxelizeExamples = R"(Examples:
       arrays of the mesh as grids of their own, and one made of a tensor
   tetvdb voxelize run.pvd -o run.vdb --grid density,temperature --warp disp
       a sequence into run.0001.vdb, run.0002.vdb, ...; as well 'frame_*.vtu', or the steps of
-      an Exodus, XDMF or other file of several steps with --frames all
+      an Exodus, XDMF or other file of several steps, or an OpenFOAM case (.foam, or its
+      system/controlDict), with --frames all
   tetvdb voxelize head.mesh -o skull.nvdb --region bone,4 --resolution 1024
       only the regions named "bone" and numbered 4
   tetvdb voxelize a.msh b.msh -o both.vdb --bbox 0,0,0,10,10,inf

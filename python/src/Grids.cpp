@@ -43,19 +43,12 @@ struct PyGrid {
 nb::dlpack::dtype typeOf(const DenseGrid& grid) {
   if (grid.isBits())
     return nb::dtype<bool>();
-  switch (grid.element()) {
-  case ElementType::UInt8:
-    return nb::dtype<std::uint8_t>();
-  case ElementType::Int32:
-    return nb::dtype<std::int32_t>();
-  case ElementType::Int64:
-    return nb::dtype<std::int64_t>();
-  case ElementType::Float32:
-    return nb::dtype<float>();
-  case ElementType::Float64:
-    break;
-  }
-  return nb::dtype<double>();
+  using Code = nb::dlpack::dtype_code;
+  const Code code = isFloat(grid.element())                ? Code::Float
+                    : grid.element() == ElementType::UInt8 ? Code::UInt
+                                                           : Code::Int;
+  return {static_cast<std::uint8_t>(code), static_cast<std::uint8_t>(8 * bytesOf(grid.element())),
+          1};
 }
 
 // Memory that an array owns.
@@ -381,7 +374,7 @@ void addGrids(nb::module_& module) {
           names += (names.empty() ? "" : ", ") + name;
         return "<tetvdb.Volume: " + names + ">";
       });
-  module.def("read", &read, nb::arg("path"), "Reads a .vdb or .nvdb file.");
+  module.def("read", &read, nb::arg("path"), "Reads a .vdb or .nvdb file, or dense arrays.");
 }
 
 nb::object volumeObject(Volume volume, ReportText report) {

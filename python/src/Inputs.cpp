@@ -3,8 +3,8 @@
 
 #include "Grids.h"
 #include "MeshArrays.h"
-#include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/formats/vtk/VtkCells.h"
 #include "tetvdb/mesh/CheckMesh.h"
 
@@ -154,8 +154,7 @@ Inputs inputsOf(const nb::list& given) {
 
 bool isVolume(const std::string& name, const MemoryInputs& memory) {
   const MemoryInput* input = inMemory(name, memory);
-  return input != nullptr ? input->volume.has_value()
-                          : cli::signatureOf(name) != cli::VolumeSignature::None;
+  return input != nullptr ? input->volume.has_value() : isVolumeFile(name);
 }
 
 } // namespace tetvdb::python

@@ -4,7 +4,6 @@
 #include "KeptResult.h"
 #include "Meshes.h"
 #include "Settings.h"
-#include "VolumeSignature.h"
 #include "tetvdb/pipeline/RepairJob.h"
 
 #include <nanobind/stl/string.h>

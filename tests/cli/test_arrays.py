@@ -305,6 +305,68 @@ class ArraysTest(program.CommandLineTest):
         self.refuse(2, "voxelize", "a.off", "-o", "c.binvox", "--grid", "density",
                     says=("holds a mask", "density"))
 
+    def test_arrays_become_the_same_volume(self):
+        self.make("all.vdb")
+        for name in ("density", "surface", "mask"):
+            self.make(name + ".vdb", grids=name)
+        self.write("a.vtu", simulation())
+        self.make("vel.vdb", grids="vel,temperature,tet_id", source="a.vtu")
+        several = [("x.npz",), ("x.npz", "--compress"), ("x.npz", "--sparse"), ("x.vti",), ("x.vti", "--compress"),
+                   ("x.raw",)]
+        one = [("x.nrrd",), ("x.nrrd", "--compress")]
+        cases = [("all", case) for case in several] + [("mask", ("x.binvox",))]
+        cases += [(name, case) for name in ("density", "surface", "mask") for case in several + one]
+        for name, (output, *more) in cases:
+            self.succeed("convert", name + ".vdb", "-o", output, *more)
+            self.succeed("convert", output, "-o", "back.vdb")
+            if output == "x.binvox":  # which has no room for the origin within a voxel
+                self.assertEqual(self.report_of("info", output)["input"][0]["grids"][0]["active_voxels"],
+                                 self.report_of("info", "mask.vdb")["input"][0]["grids"][0]["active_voxels"])
+            else:
+                self.assertEqual(self.hash_of("back.vdb"), self.hash_of(name + ".vdb"), (name, output, more))
+                self.assertEqual(self.hash_of(output), self.hash_of("back.vdb"))
+        # tet_id: its background, -1, is given by lists alone.
+        self.succeed("convert", "vel.vdb", "-o", "x.npz", "--sparse")
+        self.succeed("convert", "x.npz", "-o", "back.vdb")
+        self.assertEqual(self.hash_of("back.vdb"), self.hash_of("vel.vdb"))
+        self.succeed("convert", "vel.vdb", "-o", "x.vti", "--grid", "vel")
+        self.succeed("compare", "vel.vdb", "x.vti", status=8)  # which has one of three grids
+        self.succeed("convert", "vel.vdb", "-o", "id.npy", "--grid", "tet_id")
+        self.succeed("convert", "id.npy", "-o", "id.vdb", "--background", -1)
+        self.assertEqual(self.report_of("info", "id.vdb")["input"][0]["grids"][0]["active_voxels"],
+                         (np.load(self.path("id.npy")) != -1).sum())
+
+    def test_arrays_of_others(self):
+        values = np.zeros((20, 30, 40), np.float64)
+        values[3:9, 4:20, 5:30] = 0.75
+        values[4, 4, 5] = math.nan
+        np.savez_compressed(self.path("a.npz"), field=values, names=np.array(["a"]), table=np.eye(2))
+        report = self.report_of("convert", "a.npz", "-o", "a.vdb", "--voxel-size", "0.5,1,2", "--origin", "1,2,3")
+        self.assertEqual(sorted(w["code"] for w in report["warnings"]), ["not-numbers", "unread-grid", "unread-grid"])
+        grid, = vdb.readAll(str(self.path("a.vdb")))[0]
+        self.assertEqual((grid.name, grid.gridClass, grid.background), ("field", "fog volume", 0.0))
+        self.assertEqual(grid.activeVoxelCount(), 6 * 16 * 25 - 1)
+        read = np.zeros(values.shape, np.float32)
+        grid.copyToArray(read)
+        self.same(read, np.nan_to_num(values).astype(np.float32))
+        self.assertEqual(grid.transform.indexToWorld((1, 1, 1)), (1.5, 3.0, 5.0))
+        np.save(self.path("z.npy"), values.transpose(2, 1, 0))
+        self.succeed("convert", "z.npy", "-o", "z.vdb", "--axes", "zyx")
+        vdb.readAll(str(self.path("z.vdb")))[0][0].copyToArray(read)
+        self.same(read, np.nan_to_num(values).astype(np.float32))
+        self.succeed("render", "z.npy", "-o", "z.png")
+        self.succeed("convert", "z.npy", "-o", "z.stl")
+        self.assertEqual(self.report_of("info", "z.npy", "z.npy")["input"][1]["format"], "NumPy .npy")
+        np.save(self.path("0.npy"), np.zeros((4, 4, 4)))
+        self.refuse(3, "convert", "0.npy", "-o", "0.vdb", says=("background",))
+        self.refuse(3, "voxelize", "z.npy", "-o", "0.vdb", says=("is a volume", "tetvdb convert"))
+        self.refuse(2, "convert", "z.vdb", "-o", "0.vdb", "--background", 1, says=("--background",))
+        self.refuse(2, "convert", "z.npy", "-o", "0.vdb", "--axes", "yxz")
+        self.refuse(2, "convert", "z.npy", "-o", "0.vdb", "--background", "nan")
+        self.write("b.raw", "numbers")
+        self.refuse(3, "info", "b.raw", says=("b.raw.json",))
+        self.assertFalse(self.path("0.vdb").exists())
+
     def test_distances_in_the_whole_box(self):
         points, faces = box_faces((0, 0, 0), (3, 2, 1))
         self.write("box.off", off(points, faces))

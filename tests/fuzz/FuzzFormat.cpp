@@ -12,6 +12,7 @@
 #include "tetvdb/io/formats/tetgen/TetGenReader.h"
 #include "tetvdb/io/formats/threemf/ThreeMfModel.h"
 #include "tetvdb/io/source/Source.h"
+#include "tetvdb/io/volume/arrays/ArrayReaders.h"
 #include "tetvdb/mesh/SplitCells.h"
 #include "tetvdb/mesh/TriangleMesh.h"
 
@@ -24,6 +25,30 @@
 namespace tetvdb {
 namespace {
 
+/// Reads the first and the last number of every axis of an array.
+ArraySink touchingSink() {
+  ArraySink sink;
+  sink.array = [](const StoredArray& array) {
+    for (unsigned corner = 0; corner < 16; ++corner) {
+      std::uint64_t at = corner >> 3 != 0 ? (array.components - 1) * array.componentStep : 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (array.size[k] == 0)
+          return;
+        at += (corner >> k & 1) != 0 ? (array.size[k] - 1) * array.step[k] : 0;
+      }
+      if (array.components == 0)
+        return;
+      const volatile char last = array.bytes.at((at + 1) * bytesOf(array.element) - 1);
+      static_cast<void>(last);
+    }
+    if (!array.coordinates.empty() && array.coordinates.size() != 12 * array.size[0])
+      std::abort();
+  };
+  sink.leftOut = [](const std::string&, const std::string&) {};
+  sink.metadata = sink.leftOut;
+  return sink;
+}
+
 /// What the target works on in place of the reader of the table, where the bytes of a file would
 /// hide from the fuzzer what matters. Whether it did.
 bool readInsteadOfFile(std::string_view bytes, Report& report, Progress& progress) {
@@ -32,6 +57,12 @@ bool readInsteadOfFile(std::string_view bytes, Report& report, Progress& progres
     const Source node{bytes.substr(0, bar), "fuzz.node"};
     const Source ele{bytes.substr(std::min(bar + 1, bytes.size())), "fuzz.ele"};
     splitCells(readTetGenPair(node, ele, {}, report, progress), {}, report, progress);
+    return true;
+  }
+  if (kFuzzedFormat == FileFormat::Raw) { // the header and the numbers, likewise
+    const std::size_t bar = std::min(bytes.find('|'), bytes.size());
+    readRawArrays(bytes.substr(0, bar), "fuzz.raw.json",
+                  {bytes.substr(std::min(bar + 1, bytes.size())), "fuzz.raw"}, touchingSink());
     return true;
   }
   if (kFuzzedFormat == FileFormat::Ensight && sniffFormat(bytes, "fuzz.geo") != kFuzzedFormat) {
@@ -68,6 +99,8 @@ void readFile(std::string_view bytes) {
         throw;
     }
   }
+  if (format.readArrays != nullptr)
+    format.readArrays(source, touchingSink(), progress);
   if (format.hasSolidCells != nullptr) {
     try {
       format.hasSolidCells(source, report, progress);

@@ -80,7 +80,8 @@ TEST(Formats, EveryReaderOfOurOwnHasAFuzzTarget) {
                                     FileFormat::ThreeDs, FileFormat::Vts, FileFormat::Pvtu};
   std::size_t readers = 0;
   for (const Format& format : formats())
-    readers += (can(format, FormatUse::ReadCells) || can(format, FormatUse::ReadTriangles)) &&
+    readers += (can(format, FormatUse::ReadCells) || can(format, FormatUse::ReadTriangles) ||
+                can(format, FormatUse::ReadArrays)) &&
                others.count(format.id) == 0;
   EXPECT_EQ(targets, readers);
 }

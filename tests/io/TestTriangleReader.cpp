@@ -39,7 +39,7 @@ TEST(TriangleReader, FormatsAreToldByContent) {
   EXPECT_EQ(sniff("; FBX 7.4.0 project file\n", "a"), FileFormat::Fbx);
   EXPECT_EQ(sniff("<?xml version=\"1.0\"?>\n<COLLADA>", "a.xml"), FileFormat::Collada);
   EXPECT_EQ(sniff(std::string("MM\x20\0\0\0\x02\0", 8), "a"), FileFormat::ThreeDs);
-  EXPECT_EQ(sniff(std::string("MM\0\x2a\0\0\0\x08", 8), "a.tif"), FileFormat::Unknown);
+  EXPECT_EQ(sniff(std::string("MM\0\x2a\0\0\0\x08", 8), "a.tif"), FileFormat::Tiff);
 }
 
 TEST(TriangleReader, TheNameDecidesWhatTheContentLeavesOpen) {

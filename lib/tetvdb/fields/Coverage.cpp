@@ -4,7 +4,7 @@
 #include "nanovdb_kernels/CoverageJob.h"
 #include "tetvdb/core/GroupItems.h"
 #include "tetvdb/fields/SlabStack.h"
-#include "tetvdb/voxelize/TreeAssembly.h"
+#include "tetvdb/volume/TreeAssembly.h"
 
 #include <algorithm>
 #include <atomic>

@@ -6,8 +6,8 @@
 #include "tetvdb/fields/LeafShapes.h"
 #include "tetvdb/geometry/TetWeights.h"
 #include "tetvdb/io/volume/LeafPacker.h"
+#include "tetvdb/volume/TreeAssembly.h"
 #include "tetvdb/voxelize/LeafRows.h"
-#include "tetvdb/voxelize/TreeAssembly.h"
 
 #include <algorithm>
 #include <array>

@@ -21,9 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Index space beyond this is refused: planes and boxes are counted in 32 bits.
-constexpr std::int32_t kFarthest = 1 << 30;
-
 const Format* rowOf(const std::string& path) {
   return formatForEnding(path, FormatUse::WriteArrays);
 }
@@ -79,7 +76,7 @@ std::optional<VoxelBox> fitBox(const Volume& volume) {
   std::istringstream text(found->second);
   std::int32_t side = 0;
   text >> side;
-  if (text.fail() || side < 1 || side > kFarthest ||
+  if (text.fail() || side < 1 || side > kFarthestVoxel ||
       text.peek() != std::istringstream::traits_type::eof())
     return {};
   return VoxelBox{{0, 0, 0}, {side - 1, side - 1, side - 1}};
@@ -134,10 +131,11 @@ ArrayContent contentOf(const std::string& path, const Volume& volume, const Arra
   const std::optional<VoxelBox> fit = fitBox(volume);
   content.box = options.box ? *options.box : fit ? *fit : activeBox(path, volume);
   for (std::size_t axis = 0; axis < 3; ++axis)
-    if (content.box.low[axis] < -kFarthest || content.box.high[axis] > kFarthest)
-      throw Error(Status::Limit, path,
-                  fmt::format("the box ends beyond voxel {}, the farthest of arrays", kFarthest),
-                  "choose a part with `box`");
+    if (content.box.low[axis] < -kFarthestVoxel || content.box.high[axis] > kFarthestVoxel)
+      throw Error(
+          Status::Limit, path,
+          fmt::format("the box ends beyond voxel {}, the farthest of arrays", kFarthestVoxel),
+          "choose a part with `box`");
   for (const auto& grid : grids)
     content.grids.push_back(denseGrid(*grid, content.box));
   content.names = namesOf(grids);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/io/FormatSignatures.h"
 
+#include "tetvdb/core/Error.h"
 #include "tetvdb/core/Letters.h"
 #include "tetvdb/io/Formats.h"
 #include "tetvdb/io/formats/off/OffReader.h"
 #include "tetvdb/io/formats/stl/StlReader.h"
 #include "tetvdb/io/text/ByteReader.h"
+#include "tetvdb/io/text/GunzipBytes.h"
 #include "tetvdb/io/text/NumberParser.h"
 
 #include <algorithm>
@@ -32,6 +34,10 @@ std::string_view withoutMarkAndSpace(std::string_view text) {
   return text;
 }
 
+bool isLegacyVtk(const FileStart& file) {
+  return startsWith(file.start, "# vtk datafile") || startsWith(file.start, "#vtk datafile");
+}
+
 bool isVtkXml(const FileStart& file) {
   return startsWith(file.start, "<?xml") || startsWith(file.start, "<vtkfile") ||
          startsWith(file.start, "<!--");
@@ -47,6 +53,15 @@ bool isHdf5With(const FileStart& file, std::string_view group, std::string_view 
   constexpr std::size_t look = std::size_t(1) << 20;
   return startsWith(file.head, "\x89HDF\r\n") &&
          (file.ending == ending || contains(file.bytes.substr(0, look), group));
+}
+
+/// Names are at the beginning of a ZIP archive and in its directory at the end.
+bool isZipWith(const FileStart& file, std::string_view name) {
+  constexpr std::size_t directory = 65536;
+  return startsWith(file.head, "PK\x03\x04") &&
+         (contains(file.head, name) ||
+          contains(file.bytes.substr(file.bytes.size() - std::min(file.bytes.size(), directory)),
+                   name));
 }
 
 /// The first word of the file, after comments that begin with '#'.
@@ -75,6 +90,60 @@ bool isVdb(const FileStart& file) {
 
 bool isNvdb(const FileStart& file) {
   return startsWith(file.head, "NanoVDB");
+}
+
+bool isNpy(const FileStart& file) {
+  return startsWith(file.head, "\x93NUMPY");
+}
+
+bool isNpz(const FileStart& file) {
+  return isZipWith(file, ".npy");
+}
+
+bool isVtkImage(const FileStart& file) {
+  return isLegacyVtk(file) && contains(lowerCase(file.head), "dataset structured_points");
+}
+
+bool isVti(const FileStart& file) {
+  return isVtkXmlOf(file, "ImageData");
+}
+
+bool isNrrd(const FileStart& file) {
+  return startsWith(file.head, "NRRD000");
+}
+
+bool isMetaImage(const FileStart& file) {
+  return (startsWith(file.start, "objecttype") || startsWith(file.start, "ndims")) &&
+         contains(file.head, "ElementDataFile");
+}
+
+/// As it is, or packed with gzip.
+bool isNifti(const FileStart& file) {
+  constexpr std::size_t magic = 344, look = magic + 4;
+  std::string_view head = file.head;
+  std::string unpacked;
+  if (startsWith(head, "\x1f\x8b")) {
+    try {
+      unpacked = gunzip(head, look, "");
+    } catch (const Error&) {
+      return false;
+    }
+    head = unpacked;
+  }
+  return head.size() >= look &&
+         (startsWith(head.substr(magic), "n+1") || startsWith(head.substr(4), "n+2"));
+}
+
+bool isTiff(const FileStart& file) {
+  using namespace std::string_view_literals;
+  for (const std::string_view magic : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv})
+    if (startsWith(file.head, magic))
+      return true;
+  return false;
+}
+
+bool isBinvox(const FileStart& file) {
+  return startsWith(file.head, "#binvox");
 }
 
 // --- Triangles ----------------------------------------------------------------------------------
@@ -112,19 +181,6 @@ bool isOff(const FileStart& file) {
 bool isPly(const FileStart& file) {
   return startsWith(file.text, "ply\n") || startsWith(file.text, "ply\r");
 }
-
-namespace {
-
-/// Names are at the beginning of a ZIP archive and in its directory at the end.
-bool isZipWith(const FileStart& file, std::string_view name) {
-  constexpr std::size_t directory = 65536;
-  return startsWith(file.head, "PK\x03\x04") &&
-         (contains(file.head, name) ||
-          contains(file.bytes.substr(file.bytes.size() - std::min(file.bytes.size(), directory)),
-                   name));
-}
-
-} // namespace
 
 bool isThreeMf(const FileStart& file) {
   return isZipWith(file, ".model");
@@ -213,7 +269,7 @@ bool isUcd(const FileStart& file) {
 }
 
 bool isVtk(const FileStart& file) {
-  return startsWith(file.start, "# vtk datafile") || startsWith(file.start, "#vtk datafile");
+  return isLegacyVtk(file) && !isVtkImage(file);
 }
 
 bool isVtu(const FileStart& file) {

@@ -21,6 +21,15 @@ struct FileStart {
 
 bool isVdb(const FileStart& file);
 bool isNvdb(const FileStart& file);
+bool isNpy(const FileStart& file);
+bool isNpz(const FileStart& file);
+bool isVtkImage(const FileStart& file);
+bool isVti(const FileStart& file);
+bool isNrrd(const FileStart& file);
+bool isMetaImage(const FileStart& file);
+bool isNifti(const FileStart& file);
+bool isTiff(const FileStart& file);
+bool isBinvox(const FileStart& file);
 
 bool isStl(const FileStart& file);
 bool isObj(const FileStart& file);

@@ -43,6 +43,7 @@
 #include "tetvdb/io/formats/xdmf/XdmfReader.h"
 #include "tetvdb/io/volume/VolumeFormats.h"
 #include "tetvdb/io/volume/arrays/ArrayFormats.h"
+#include "tetvdb/io/volume/arrays/ArrayReaders.h"
 
 #include <algorithm>
 
@@ -105,9 +106,12 @@ Format cells(FileFormat id, std::string_view name, std::string_view endings,
 }
 
 Format denseArrays(FileFormat id, std::string_view name, std::string_view endings,
-                   std::string_view description, unsigned arrays,
+                   std::string_view description, bool (*isContent)(const FileStart&),
+                   void (*read)(const Source&, const ArraySink&, Progress&), unsigned arrays,
                    void (*write)(const ArrayContent&, Progress&)) {
   Format format = row(id, name, endings, description, kVolume | kArrays);
+  format.isContent = isContent;
+  format.readArrays = read;
   format.arrays = arrays;
   format.writeArrays = write;
   return format;
@@ -261,23 +265,34 @@ std::vector<Format> makeTable() {
 
   // --- dense arrays ---
   using namespace arrays;
-  all.push_back(denseArrays(FileFormat::Npy, "NumPy .npy", ".npy", "One array", 0, writeNpy));
-  all.push_back(denseArrays(FileFormat::Npz, "NumPy .npz", ".npz",
-                            "Arrays with their transform, dense or sparse",
-                            kSeveral | kCompressed | kSparse, writeNpz));
-  all.push_back(denseArrays(FileFormat::Vti, "VTK .vti", ".vti", "VTK XML image data",
-                            kSeveral | kCompressed, writeVti));
-  all.push_back(denseArrays(FileFormat::Nrrd, "NRRD", ".nrrd", "One array, for ITK and 3D Slicer",
-                            kCompressed, writeNrrd));
-  all.push_back(denseArrays(FileFormat::Hdf5, "HDF5", ".h5 .hdf5",
-                            "A dataset a grid, with attributes", kSeveral | kCompressed,
-                            writeHdf5));
-  all.push_back(denseArrays(FileFormat::Tiff, "TIFF", ".tif .tiff", "A stack of pages, for ImageJ",
-                            kCompressed, writeTiff));
-  all.push_back(denseArrays(FileFormat::Raw, "raw", ".raw", "Numbers, and a header in JSON beside",
-                            kSeveral, writeRaw));
   all.push_back(
-      denseArrays(FileFormat::Binvox, "binvox", ".binvox", "A mask in runs", kMask, writeBinvox));
+      denseArrays(FileFormat::Npy, "NumPy .npy", ".npy", "One array", isNpy, readNpy, 0, writeNpy));
+  all.push_back(denseArrays(FileFormat::Npz, "NumPy .npz", ".npz",
+                            "Arrays with their transform, dense or sparse", isNpz, readNpz,
+                            kSeveral | kCompressed | kSparse, writeNpz));
+  all.push_back(denseArrays(FileFormat::VtkImage, "VTK image .vtk", ".vtk",
+                            "VTK's legacy structured points, text or binary", isVtkImage,
+                            readVtkImage, 0, nullptr));
+  all.push_back(denseArrays(FileFormat::Vti, "VTK .vti", ".vti", "VTK XML image data", isVti,
+                            readVti, kSeveral | kCompressed, writeVti));
+  all.push_back(denseArrays(FileFormat::Nrrd, "NRRD", ".nrrd .nhdr",
+                            "One array, for ITK and 3D Slicer", isNrrd, readNrrd, kCompressed,
+                            writeNrrd));
+  all.push_back(denseArrays(FileFormat::MetaImage, "MetaImage", ".mha .mhd", "One array, of ITK",
+                            isMetaImage, readMetaImage, 0, nullptr));
+  all.push_back(denseArrays(FileFormat::Nifti, "NIfTI", ".nii",
+                            "A medical image, also packed (.nii.gz)", isNifti, readNifti, 0,
+                            nullptr));
+  all.push_back(denseArrays(FileFormat::Hdf5, "HDF5", ".h5 .hdf5",
+                            "A dataset a grid, with attributes", nullptr, nullptr,
+                            kSeveral | kCompressed, writeHdf5));
+  all.push_back(denseArrays(FileFormat::Tiff, "TIFF", ".tif .tiff", "A stack of pages, for ImageJ",
+                            isTiff, readTiff, kCompressed, writeTiff));
+  all.push_back(denseArrays(FileFormat::Raw, "raw", ".raw", "Numbers, and a header in JSON beside",
+                            nullptr, readRaw, kSeveral, writeRaw));
+  all.back().isNamed = isAny;
+  all.push_back(denseArrays(FileFormat::Binvox, "binvox", ".binvox", "A mask in runs", isBinvox,
+                            readBinvox, kMask, writeBinvox));
   return all;
 }
 
@@ -311,7 +326,9 @@ bool can(const Format& format, FormatUse use) {
   case FormatUse::ReadMesh:
     return (format.holds & (kTets | kTriangles)) != 0;
   case FormatUse::ReadVolume:
-    return format.readVolume != nullptr;
+    return format.readVolume != nullptr || format.readArrays != nullptr;
+  case FormatUse::ReadArrays:
+    return format.readArrays != nullptr;
   case FormatUse::ReadSteps:
     return format.readTimes != nullptr;
   case FormatUse::WriteTets:
@@ -400,10 +417,10 @@ std::string describeUnknownFormat(std::string_view bytes, const std::string& pat
   const FileFormat found = sniffFormat(bytes, path);
   const Format& format = formatOf(found);
   const std::string name(format.name);
-  if (begins(" BDV"))
-    return "is an OpenVDB volume, not a mesh";
-  if (format.readVolume != nullptr)
-    return "is a volume (" + name + "), not a mesh";
+  if (begins(" BDV") && !can(format, FormatUse::ReadVolume))
+    return "is an OpenVDB volume, cut off";
+  if (can(format, FormatUse::ReadVolume))
+    return "is a volume (" + name + "), not a mesh ('tetvdb convert' writes it as .vdb)";
   if (format.readTriangles != nullptr && format.readCells == nullptr)
     return "holds triangles (" + name + "), not solid cells";
   if (format.readCells != nullptr)

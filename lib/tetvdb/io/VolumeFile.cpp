@@ -2,13 +2,11 @@
 #include "tetvdb/io/VolumeFile.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/ArrayFile.h"
 #include "tetvdb/io/Formats.h"
 #include "tetvdb/io/source/Source.h"
 
-#include <cerrno>
 #include <filesystem>
-#include <fstream>
-#include <string_view>
 
 namespace tetvdb {
 
@@ -20,26 +18,33 @@ void writeVolume(const std::string& path, const Volume& volume, Progress& progre
   format->writeVolume(path, volume, progress);
 }
 
+FileFormat volumeFormatOf(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error))
+    return FileFormat::Unknown;
+  try {
+    const MappedFile file(path);
+    const FileFormat found = sniffFormat(file.bytes(), path);
+    return can(formatOf(found), FormatUse::ReadVolume) ? found : FileFormat::Unknown;
+  } catch (const Error&) {
+    return FileFormat::Unknown;
+  }
+}
+
 Volume readVolume(const std::string& path, Progress& progress) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error))
     throw Error(Status::Invalid, path, "is a directory",
                 "name a " + endingList(FormatUse::ReadVolume) + " file");
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    failToOpen(path, errno);
-  char start[4096] = {};
-  file.read(start, sizeof start);
-  if (file.gcount() == 0)
-    throw Error(Status::Invalid, path, "the file is empty");
-  const std::string_view bytes(start, static_cast<std::size_t>(file.gcount()));
-  file.close();
-
-  const Format& format = formatOf(sniffFormat(bytes, path));
-  if (format.readVolume == nullptr)
+  const Format& format = [&]() -> const Format& {
+    const MappedFile file(path);
+    return formatOf(sniffFormat(file.bytes(), path));
+  }();
+  if (!can(format, FormatUse::ReadVolume))
     throw Error(Status::Invalid, path,
                 "is no volume: neither " + endingList(FormatUse::ReadVolume, "nor"));
-  return format.readVolume(path, progress);
+  return format.readVolume != nullptr ? format.readVolume(path, progress)
+                                      : readArrays(path, {}, progress);
 }
 
 } // namespace tetvdb

@@ -140,9 +140,22 @@ private:
       });
       return;
     }
-    Volume volume = stage("read", [&] { return readVolumeInput(job_.input, report_, progress_); });
+    const bool fromArrays = can(formatOf(volumeFormatOf(job_.input)), FormatUse::ReadArrays);
+    Volume volume = stage("read", [&] {
+      if (!fromArrays)
+        return readVolumeInput(job_.input, report_, progress_);
+      Volume found = readArrays(job_.input, job_.arrayInput, progress_);
+      warnOfReading(found, job_.input, report_);
+      return found;
+    });
     choose(volume);
-    if (!volume.unread.empty() && job_.grids.empty())
+    const openvdb::GridPtrVec& grids = volume.grids().all;
+    if (fromArrays &&
+        std::all_of(grids.begin(), grids.end(), [](const auto& grid) { return grid->empty(); }))
+      throw Error(Status::Invalid, job_.input,
+                  "has no voxel with another value than the background",
+                  "give another `background`");
+    if (!volume.unread.empty() && job_.grids.empty() && !fromArrays)
       report_.partial = true;
     if (toTriangles_) {
       ExtractOptions options;

@@ -57,10 +57,13 @@ TriangleMesh trianglesOf(const std::string& path, Report& report, Progress& prog
 
 } // namespace
 
-void warnOfUnread(const Volume& volume, const std::string& path, Report& report) {
+void warnOfReading(const Volume& volume, const std::string& path, Report& report) {
   for (const UnreadGrid& grid : volume.unread)
     report.warn("unread-grid", path + ": the grid '" + grid.name + "' is of type " + grid.type +
                                    ", which is not read");
+  if (volume.notNumbers > 0)
+    report.warn("not-numbers", path + ": " + std::to_string(volume.notNumbers) +
+                                   " voxels are not numbers (NaN) and become inactive");
 }
 
 Volume readVolumeInput(const std::string& path, Report& report, Progress& progress,
@@ -68,7 +71,7 @@ Volume readVolumeInput(const std::string& path, Report& report, Progress& progre
   const MemoryInput* input = inMemory(path, memory);
   if (input == nullptr) {
     Volume volume = readVolume(path, progress);
-    warnOfUnread(volume, path, report);
+    warnOfReading(volume, path, report);
     return volume;
   }
   if (!input->volume)

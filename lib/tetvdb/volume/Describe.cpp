@@ -301,7 +301,7 @@ GridInfo describeGrid(const openvdb::GridBase& grid, const PackedRange* packed) 
   info.bytes = counts.bytes;
   const auto inside = packed != nullptr ? static_cast<double>(counts.activeVoxels)
                                         : voxelsInside(grid, counts.activeVoxels);
-  info.volume = inside * transform.voxelVolume();
+  info.volume = inside * std::abs(transform.voxelVolume()); // below 0 where an axis is mirrored
   if (!counts.box.empty()) {
     info.boxMin = toArray(counts.box.min());
     info.boxMax = toArray(counts.box.max());

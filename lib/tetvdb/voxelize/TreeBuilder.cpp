@@ -2,8 +2,8 @@
 #include "tetvdb/voxelize/TreeBuilder.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/volume/TreeAssembly.h"
 #include "tetvdb/voxelize/LeafRows.h"
-#include "tetvdb/voxelize/TreeAssembly.h"
 
 #include <utility>
 

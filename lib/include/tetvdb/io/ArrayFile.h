@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Writes volumes as dense arrays, for programs that do not read OpenVDB.
+// Writes volumes as dense arrays, for programs that do not read OpenVDB, and reads such arrays.
 //
 //   tetvdb::ArrayOptions options;
 //   options.compress = true;
 //   tetvdb::writeArrays("a.npz", volume, options, progress);
+//   const tetvdb::Volume same = tetvdb::readArrays("a.npz", {}, progress);
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -24,6 +25,16 @@ struct ArrayOptions {
   /// The voxels of the array, index space. None: the cube (0, 0, 0) to (N - 1, N - 1, N - 1) if the
   /// volume's metadata "fit" is N, else the box of the active voxels of all grids.
   std::optional<VoxelBox> box;
+};
+
+/// How arrays become grids; what is empty, the file decides.
+struct ArrayInput {
+  std::optional<Vec3d> voxelSize; ///< world units
+  std::optional<Vec3d> origin;    ///< world units: the centre of voxel (0, 0, 0)
+  bool zSlowest = false; ///< of files without a transform (.npy, .npz): [z][y][x], not [x][y][z]
+  /// The value of inactive voxels: 0, and the largest value of an array that is cut off like a
+  /// level set.
+  std::optional<double> background;
 };
 
 /// Whether the path's extension, in any case, is that of an array format.
@@ -56,5 +67,17 @@ void requireRoom(const std::string& path, double bytes, bool compress);
 /// is too small, before anything is written; Error(Write), Error(Cancelled).
 void writeArrays(const std::string& path, const Volume& volume, const ArrayOptions& options,
                  Progress& progress);
+
+/// Reads a file of dense arrays, by content, into sparse grids: a voxel is active if its value is
+/// not the background. Numbers become float grids, integers of 32 and 64 bits int32 and int64,
+/// booleans and bytes of 0 and 1 masks, three components vectors, other components grids of their
+/// own, NAME_0 and so on. A float array is a level set if a tenth of its voxels has its largest
+/// value, none is further from 0 and negative ones are not at the sides of its box; other floats
+/// are fog. An array without a name is "density", "mask" or "surface". NaN is inactive, and counted
+/// in Volume::notNumbers; arrays that are not of voxels are in Volume::unread. Memory: the trees,
+/// and one array where the file has it compressed. Throws Error(Invalid) for files that are damaged
+/// or hold no array of voxels, Error(Usage) for options that the file has no use for, Error(Limit)
+/// for arrays beyond voxel 2^30, Error(Cancelled).
+Volume readArrays(const std::string& path, const ArrayInput& options, Progress& progress);
 
 } // namespace tetvdb

@@ -20,6 +20,7 @@
 namespace tetvdb {
 
 struct ArrayContent; // io/volume/arrays/ArrayWriters.h
+struct ArraySink;    // io/volume/arrays/StoredArray.h
 struct CellMesh;
 struct FileStart; // io/FormatSignatures.h
 struct ReadOptions;
@@ -57,6 +58,7 @@ struct Format {
   void (*spoolCells)(const Source&, const ReadOptions&, SpooledMesh&, Report&, Progress&) = nullptr;
   TriangleMesh (*readTriangles)(const Source&, Report&, Progress&) = nullptr;
   Volume (*readVolume)(const std::string& path, Progress&) = nullptr;
+  void (*readArrays)(const Source&, const ArraySink&, Progress&) = nullptr;
   /// Only for formats with both: whether a file has solid cells. Reads the types of cells, up to
   /// the first solid one if they are stored in sequence, and no values; throws if it cannot be
   /// determined.
@@ -78,8 +80,9 @@ struct Format {
 enum class FormatUse : std::uint8_t {
   ReadCells,
   ReadTriangles,
-  ReadMesh, ///< cells or triangles, or a sequence of such files
-  ReadVolume,
+  ReadMesh,   ///< cells or triangles, or a sequence of such files
+  ReadVolume, ///< grids or arrays
+  ReadArrays, ///< dense arrays
   SpoolCells, ///< tets, without the whole mesh in memory
   ReadSteps,  ///< several steps in one file
   WriteTets,

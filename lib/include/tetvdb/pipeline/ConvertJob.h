@@ -26,7 +26,8 @@ namespace tetvdb {
 
 struct ConvertJob {
   std::string input;              ///< a mesh file, of triangles or of tets, or a volume file
-  bool isVolume = false;          ///< the input is a .vdb or .nvdb file
+  bool isVolume = false;          ///< the input is a volume: isVolumeFile() (io/VolumeFile.h)
+  ArrayInput arrayInput;          ///< of an array file
   std::string output;             ///< its extension determines the format
   int tileSize = 0;               ///< of a volume: as VoxelizeJob::tileSize
   LevelRange levels;              ///< of a volume into a volume: as VoxelizeJob::levels

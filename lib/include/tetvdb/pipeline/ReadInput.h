@@ -59,10 +59,11 @@ TetMesh readTets(const std::string& path, const ReadOptions& options, const Cell
 TriangleMesh readSoup(const std::string& path, InputInfo* info, Report& report, Progress& progress,
                       const MemoryInputs& memory = {});
 
-/// Warns ("unread-grid") of each grid of the file `path` that the reader does not understand.
-void warnOfUnread(const Volume& volume, const std::string& path, Report& report);
+/// Warns ("unread-grid") of each grid of the file `path` that the reader does not understand, and
+/// ("not-numbers") of voxels that are NaN in arrays.
+void warnOfReading(const Volume& volume, const std::string& path, Report& report);
 
-/// Reads a volume file with warnOfUnread(), or returns a volume in `memory`. Throws as
+/// Reads a volume file with warnOfReading(), or returns a volume in `memory`. Throws as
 /// readVolume().
 Volume readVolumeInput(const std::string& path, Report& report, Progress& progress,
                        const MemoryInputs& memory = {});

@@ -39,6 +39,8 @@ public:
   std::map<std::string, std::string> metadata;
   /// Of a file that was read: its grids of other types, such as points.
   std::vector<UnreadGrid> unread;
+  /// Of arrays that were read: voxels that are NaN in the file, and inactive in the grids.
+  std::uint64_t notNumbers = 0;
 
 private:
   std::shared_ptr<GridSet> grids_;

@@ -18,7 +18,6 @@ constexpr std::size_t kEndBytes = 22; // the record at the end, without its comm
 constexpr std::size_t kLocatorBytes = 20;
 constexpr std::uint32_t kInZip64 = UINT32_MAX; // the number is in a ZIP64 field
 constexpr std::uint64_t kFreeBytes = std::uint64_t(64) << 20;
-constexpr std::uint64_t kLargestRatio = 200;
 
 constexpr std::size_t kAtOnce = std::size_t(1) << 20;
 
@@ -133,9 +132,10 @@ std::vector<ZipEntry> readZipDirectory(const Source& source) {
   return entries;
 }
 
-void checkZipSizes(const std::vector<ZipEntry>& entries, const Source& source) {
+void checkZipSizes(const std::vector<ZipEntry>& entries, const Source& source,
+                   std::uint64_t largestRatio) {
   const std::uint64_t size = source.bytes.size();
-  const std::uint64_t limit = std::max(kFreeBytes, kLargestRatio * size);
+  const std::uint64_t limit = std::max(kFreeBytes, largestRatio * size);
   std::uint64_t packed = 0, unpacked = 0;
   for (const ZipEntry& entry : entries) {
     if (entry.packed > size - packed)

@@ -24,10 +24,11 @@ struct ZipEntry {
 /// is incomplete.
 std::vector<ZipEntry> readZipDirectory(const Source& source);
 
-/// Throws Error(Invalid) if entries overlap, Error(Limit) if they declare more than 64 MiB and 200
-/// times the archive's size: meshes are compressed to about an eighth, malicious archives to a
-/// thousandth.
-void checkZipSizes(const std::vector<ZipEntry>& entries, const Source& source);
+/// Throws Error(Invalid) if entries overlap, Error(Limit) if they declare more than 64 MiB and
+/// `largestRatio` times the archive's size: meshes are compressed to about an eighth, malicious
+/// archives to a thousandth.
+void checkZipSizes(const std::vector<ZipEntry>& entries, const Source& source,
+                   std::uint64_t largestRatio = 200);
 
 /// The bytes of an entry, stored or deflated. Throws Error(Invalid) if their number differs from
 /// the declared one; never unpacks more than that.

@@ -6,13 +6,13 @@
 
 #include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/ByteReader.h"
+#include "tetvdb/io/text/GunzipBytes.h"
 
 #include <algorithm>
 #include <array>
 #include <cstring>
 #include <limits>
 #include <utility>
-#include <zlib.h>
 
 namespace tetvdb::openfoam {
 namespace {
@@ -22,38 +22,6 @@ constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
 
 bool endsWith(std::string_view text, std::string_view end) {
   return text.size() >= end.size() && text.substr(text.size() - end.size()) == end;
-}
-
-// Deflate makes at most 1032 bytes of one, which bounds the result.
-std::string decompressed(std::string_view bytes, std::size_t most, const std::string& path) {
-  z_stream stream{};
-  if (inflateInit2(&stream, 15 + 16) != Z_OK)
-    throw Error(Status::Limit, path, "not enough memory to decompress the file");
-  std::string text;
-  int status = Z_OK;
-  while (status != Z_STREAM_END && text.size() < most) {
-    if (stream.avail_in == 0) {
-      const std::size_t part = std::min<std::size_t>(bytes.size(), 1U << 30);
-      if (part == 0)
-        break;
-      stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-      stream.avail_in = static_cast<uInt>(part);
-      bytes.remove_prefix(part);
-    }
-    const std::size_t before = text.size();
-    text.resize(std::min(most, std::max<std::size_t>(2 * before, kHeadBytes)));
-    const std::size_t room = std::min<std::size_t>(text.size() - before, 1U << 30);
-    stream.next_out = reinterpret_cast<Bytef*>(text.data() + before);
-    stream.avail_out = static_cast<uInt>(room);
-    status = inflate(&stream, Z_NO_FLUSH);
-    text.resize(before + room - stream.avail_out);
-    if (status != Z_OK && status != Z_STREAM_END && status != Z_BUF_ERROR)
-      break;
-  }
-  inflateEnd(&stream);
-  if (status != Z_STREAM_END && text.size() < most)
-    throw Error(Status::Invalid, path, "cannot be decompressed", kCut);
-  return text;
 }
 
 bool isSpace(char c) {
@@ -68,7 +36,7 @@ bool endsWord(char c) {
 FoamFile::FoamFile(const std::string& path, bool headAlone)
     : file_(std::make_unique<MappedFile>(path)), bytes_(file_->bytes()), in_("", path) {
   if (endsWith(path, ".gz")) {
-    text_ = decompressed(bytes_, headAlone ? kHeadBytes : kAny, path);
+    text_ = gunzip(bytes_, headAlone ? kHeadBytes : kAny, path);
     bytes_ = text_;
     file_.reset();
   }

@@ -15,8 +15,8 @@
 
 namespace tetvdb::vtk {
 
-/// Kinds of VTK's data sets; each stores its cells in another way.
-enum class Dataset { Unstructured, Poly, Structured, Rectilinear };
+/// Kinds of VTK's data sets; each stores its cells in another way. Images have none.
+enum class Dataset { Unstructured, Poly, Structured, Rectilinear, Image };
 
 /// Whether its cells are those of a block (io/cells/StructuredBlock.h).
 constexpr bool isStructured(Dataset dataset) {

@@ -15,7 +15,7 @@ namespace {
 
 // By Dataset: the type of <VTKFile>, which is also the name of its element.
 constexpr const char* kDatasets[] = {"UnstructuredGrid", "PolyData", "StructuredGrid",
-                                     "RectilinearGrid"};
+                                     "RectilinearGrid", "ImageData"};
 
 // VTK's extents are of type int.
 constexpr std::int64_t kMaxExtent = std::int64_t(1) << 31;
@@ -80,18 +80,21 @@ std::size_t VtuLayout::count(pugi::xml_node node, const char* name) const {
   return static_cast<std::size_t>(n);
 }
 
-BlockSize VtuLayout::blockSize(pugi::xml_node piece) const {
+BlockSize VtuLayout::blockSize(pugi::xml_node piece,
+                               std::array<std::int64_t, 3>* firstPoint) const {
   const std::string_view text = piece.attribute("Extent").value();
   NumberParser in(text, where());
   BlockSize size{};
-  for (std::size_t& points : size) {
+  for (std::size_t k = 0; k < 3; ++k) {
     std::int64_t first = 0, last = 0;
     if (!in.tryInteger(first) || !in.tryInteger(last) || std::abs(first) > kMaxExtent ||
         std::abs(last) > kMaxExtent)
       fail(where(), "Extent is not six numbers of points");
     if (last < first)
       return {};
-    points = static_cast<std::size_t>(last - first + 1);
+    size[k] = static_cast<std::size_t>(last - first + 1);
+    if (firstPoint != nullptr)
+      (*firstPoint)[k] = first;
   }
   return size;
 }
@@ -150,6 +153,31 @@ ArrayPlace VtuLayout::locate(pugi::xml_node node, std::size_t numbers) const {
   }
   place.base64 = format != "appended" || !markup_.appendedIsRaw();
   return place;
+}
+
+Array readArray(const VtuLayout& layout, const Source& source, pugi::xml_node node,
+                std::size_t numbers, bool& isLonger, Progress& progress) {
+  const ArrayPlace place = layout.locate(node, numbers);
+  const std::size_t begin = place.from.begin;
+  if (place.isText) {
+    NumberParser in(source.bytes.substr(0, begin + place.from.bytes.size()), source.path, 0, begin);
+    Array out = parseText(in, place.type, numbers, progress);
+    isLonger = !in.atEnd();
+    in.seek(begin);
+    out.where = in.where();
+    return out;
+  }
+  const std::uint64_t min = bytesFor(place.type, numbers);
+  Decoded decoded = decode(place.from, place.base64, layout.encoding(), min, source.path, progress);
+  isLonger = decoded.size > min;
+  Array out;
+  out.type = place.type;
+  out.swap = layout.encoding().swap;
+  out.data = decoded.data;
+  out.count = numbers;
+  out.owned = std::move(decoded.owned);
+  out.where = source.path + " at byte " + std::to_string(begin);
+  return out;
 }
 
 } // namespace tetvdb::vtk

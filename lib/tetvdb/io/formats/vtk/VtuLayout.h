@@ -3,6 +3,7 @@
 // What a VTK XML file says of its arrays: how they are encoded, and where each of them lies.
 #pragma once
 
+#include "tetvdb/core/Progress.h"
 #include "tetvdb/io/cells/StructuredBlock.h"
 #include "tetvdb/io/formats/vtk/VtkArray.h"
 #include "tetvdb/io/formats/vtk/VtkCells.h"
@@ -10,6 +11,7 @@
 #include "tetvdb/io/formats/vtk/VtuMarkup.h"
 #include "tetvdb/io/source/Source.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <pugixml.hpp>
@@ -44,7 +46,8 @@ public:
   /// The attribute as a count.
   std::size_t count(pugi::xml_node node, const char* name) const;
   /// Points of a structured piece along the axes, by its Extent; (0, 0, 0) for an empty one.
-  BlockSize blockSize(pugi::xml_node piece) const;
+  /// `first`, where it is not null, receives the first one's numbers.
+  BlockSize blockSize(pugi::xml_node piece, std::array<std::int64_t, 3>* first = nullptr) const;
   /// NumberOfComponents, or `missing`.
   std::uint32_t components(pugi::xml_node node, std::uint32_t missing) const;
   /// a * b, as a number of numbers.
@@ -69,5 +72,9 @@ private:
   Dataset dataset_ = Dataset::Unstructured;
   std::size_t piece_ = 0;
 };
+
+/// The `numbers` numbers of a <DataArray>; `isLonger` tells whether there are more.
+Array readArray(const VtuLayout& layout, const Source& source, pugi::xml_node node,
+                std::size_t numbers, bool& isLonger, Progress& progress);
 
 } // namespace tetvdb::vtk

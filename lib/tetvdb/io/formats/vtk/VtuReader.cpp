@@ -23,7 +23,10 @@ class VtuFile : VtuLayout {
 public:
   VtuFile(const Source& source, const ReadOptions& options, Report& report, Progress& progress)
       : VtuLayout(source), source_(source), options_(options), report_(report),
-        progress_(progress) {}
+        progress_(progress) {
+    if (dataset() == Dataset::Image)
+      fail(source.path, "holds ImageData, a volume, not a mesh");
+  }
 
   CellMesh read() {
     CellMesh whole;
@@ -61,38 +64,12 @@ private:
   /// The `numbers` numbers of a <DataArray>. Previous ones have already been used.
   Array array(pugi::xml_node node, std::size_t numbers) {
     source_.release();
-    const std::string name = node.attribute("Name").value();
-    const ArrayPlace place = locate(node, numbers);
-    if (place.isText)
-      return textArray(place.from, place.type, numbers, name);
-    const std::uint64_t min = bytesFor(place.type, numbers);
-    Decoded decoded = decode(place.from, place.base64, encoding(), min, source_.path, progress_);
-    if (decoded.size > min)
-      warnExtra(name);
-    Array out;
-    out.type = place.type;
-    out.swap = encoding().swap;
-    out.data = decoded.data;
-    out.count = numbers;
-    out.owned = std::move(decoded.owned);
-    out.where = source_.path + " at byte " + std::to_string(place.from.begin);
-    return out;
-  }
-
-  Array textArray(const Excerpt& from, Number type, std::size_t numbers, const std::string& name) {
-    NumberParser in(source_.bytes.substr(0, from.begin + from.bytes.size()), source_.path, 0,
-                    from.begin);
-    Array out = parseText(in, type, numbers, progress_);
-    if (!in.atEnd())
-      warnExtra(name);
-    in.seek(from.begin);
-    out.where = in.where();
-    return out;
-  }
-
-  void warnExtra(const std::string& name) {
-    report_.warn("array-too-long",
-                 "the array '" + name + "' has more numbers than the mesh has places for them");
+    bool isLonger = false;
+    Array found = readArray(*this, source_, node, numbers, isLonger, progress_);
+    if (isLonger)
+      report_.warn("array-too-long", "the array '" + std::string(node.attribute("Name").value()) +
+                                         "' has more numbers than the mesh has places for them");
+    return found;
   }
 
   /// An array of offsets, which ends with the length of another array.

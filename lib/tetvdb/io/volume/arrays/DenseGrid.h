@@ -7,6 +7,7 @@
 //   dense->fill(kXSlowest, 0, 8, planes.data());    // x = box.low[0] to box.low[0] + 7
 #pragma once
 
+#include "tetvdb/io/volume/arrays/ArrayLayout.h"
 #include "tetvdb/volume/VoxelBox.h"
 
 #include <array>
@@ -17,52 +18,6 @@
 #include <vector>
 
 namespace tetvdb {
-
-enum class ElementType : std::uint8_t { UInt8, Int32, Int64, Float32, Float64 };
-
-/// The formats' names of an element type.
-struct ElementNames {
-  const char* numpy; ///< with the byte order
-  const char* vtk;
-  const char* nrrd;
-  const char* plain; ///< as NumPy names its scalar types
-};
-
-constexpr ElementNames namesOf(ElementType type) {
-  switch (type) {
-  case ElementType::UInt8:
-    return {"|u1", "UInt8", "uint8", "uint8"};
-  case ElementType::Int32:
-    return {"<i4", "Int32", "int32", "int32"};
-  case ElementType::Int64:
-    return {"<i8", "Int64", "int64", "int64"};
-  case ElementType::Float32:
-    return {"<f4", "Float32", "float", "float32"};
-  case ElementType::Float64:
-    return {"<f8", "Float64", "double", "float64"};
-  }
-  return {};
-}
-
-constexpr std::size_t bytesOf(ElementType type) {
-  switch (type) {
-  case ElementType::UInt8:
-    return 1;
-  case ElementType::Int32:
-  case ElementType::Float32:
-    return 4;
-  case ElementType::Int64:
-  case ElementType::Float64:
-    return 8;
-  }
-  return 0;
-}
-
-/// The axes of an array, the slowest first.
-using AxisOrder = std::array<std::size_t, 3>;
-constexpr AxisOrder kXSlowest{0, 1, 2}; ///< [x][y][z], NumPy's order
-constexpr AxisOrder kXFastest{2, 1, 0}; ///< [z][y][x], that of images
-constexpr AxisOrder kYFastest{0, 2, 1}; ///< [x][z][y], that of .binvox
 
 /// Refers to the grid. Bool and mask grids become bytes 0 and 1; vectors three components in a row.
 /// A voxel that is not active has the value that the grid holds there: the background, or what an

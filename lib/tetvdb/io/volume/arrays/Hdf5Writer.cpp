@@ -12,6 +12,7 @@ namespace {
 
 using Handle = Hdf5Handle;
 
+// Of the types that grids have.
 hid_t typeOf(ElementType element) {
   switch (element) {
   case ElementType::UInt8:
@@ -24,8 +25,9 @@ hid_t typeOf(ElementType element) {
     return H5T_IEEE_F32LE;
   case ElementType::Float64:
     return H5T_IEEE_F64LE;
+  default:
+    return -1;
   }
-  return -1;
 }
 
 class Hdf5ArrayFile {

@@ -46,9 +46,10 @@ std::string nrrdHeader(const ArrayContent& content) {
       content.worldOf({static_cast<double>(box.low[0]), static_cast<double>(box.low[1]),
                        static_cast<double>(box.low[2])});
   return text + fmt::format("\nendian: little\nencoding: {}\nspace origin: {}\n"
-                            "content: {}\nvoxel_origin:={} {} {}\n\n",
+                            "content: {}\nvoxel_origin:={} {} {}\nworld_origin:={} {} {}\n\n",
                             content.compress ? "gzip" : "raw", vectorText(first),
-                            content.names.front(), box.low[0], box.low[1], box.low[2]);
+                            content.names.front(), box.low[0], box.low[1], box.low[2], m[3], m[7],
+                            m[11]);
 }
 
 } // namespace

@@ -7,6 +7,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/text/ZlibBytes.h"
 #include "tetvdb/io/volume/arrays/ArrayWriters.h"
+#include "tetvdb/io/volume/arrays/TiffTags.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,39 +18,7 @@
 namespace tetvdb {
 namespace {
 
-enum Tag : std::uint16_t {
-  kImageWidth = 256,
-  kImageLength = 257,
-  kBitsPerSample = 258,
-  kCompression = 259,
-  kPhotometric = 262,
-  kImageDescription = 270,
-  kStripOffsets = 273,
-  kSamplesPerPixel = 277,
-  kRowsPerStrip = 278,
-  kStripByteCounts = 279,
-  kXResolution = 282,
-  kYResolution = 283,
-  kResolutionUnit = 296,
-  kSoftware = 305,
-  kSampleFormat = 339
-};
-enum Type : std::uint16_t { kAscii = 2, kShort = 3, kLong = 4, kRational = 5, kLong8 = 16 };
-
-std::size_t sizeOf(Type type) {
-  switch (type) {
-  case kAscii:
-    return 1;
-  case kShort:
-    return 2;
-  case kLong:
-    return 4;
-  case kRational:
-  case kLong8:
-    return 8;
-  }
-  return 0;
-}
+using namespace tiff;
 
 template <typename Number>
 std::string littleEndian(Number number) {
@@ -79,17 +48,8 @@ std::pair<std::uint32_t, std::uint32_t> rational(double value) {
 }
 
 int sampleFormat(ElementType element) {
-  switch (element) {
-  case ElementType::UInt8:
-    return 1;
-  case ElementType::Int32:
-  case ElementType::Int64:
-    return 2;
-  case ElementType::Float32:
-  case ElementType::Float64:
-    return 3;
-  }
-  return 1;
+  constexpr int kUnsigned = 1, kSigned = 2, kFloat = 3;
+  return isFloat(element) ? kFloat : element == ElementType::UInt8 ? kUnsigned : kSigned;
 }
 
 class TiffFile {

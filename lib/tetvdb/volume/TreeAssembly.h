@@ -4,8 +4,8 @@
 // merging. Internal.
 #pragma once
 
+#include "tetvdb/geometry/NodeIndex.h"
 #include "tetvdb/volume/Grids.h"
-#include "tetvdb/voxelize/Slab.h"
 
 #include <algorithm>
 #include <map>
@@ -48,24 +48,22 @@ public:
         false);
   }
 
-  /// Takes the filled node. An empty node is dropped; a node that is full of one value becomes a
-  /// tile.
+  /// Takes the filled node. A node that is full of one value becomes a tile; it is dropped if that
+  /// is the background, inactive.
   void end(std::unique_ptr<Lower> lower, const NodeIndex& index) {
-    // Only the first tile can decide: a node is one tile if all its values are.
-    if (lower->getChildMask().isOff()) {
-      if (lower->getValueMask().isOff())
-        return;
-      Value value{};
-      bool state = false;
-      if (lower->isConstant(value, state) && state)
-        return tile(index, value);
+    Value value{};
+    bool active = false;
+    if (lower->getChildMask().isOff() && lower->isConstant(value, active)) {
+      if (active || value != background_)
+        parts_.local().push_back({index, nullptr, value, active});
+      return;
     }
-    parts_.local().push_back({index, lower.release(), Value{}});
+    parts_.local().push_back({index, lower.release(), Value{}, false});
   }
 
   /// A node all of whose voxels are active and have one value.
   void tile(const NodeIndex& index, const Value& value) {
-    parts_.local().push_back({index, nullptr, value});
+    parts_.local().push_back({index, nullptr, value, true});
   }
   /// Many of them.
   void tiles(const NodeRun& run, const Value& value) { runs_.local().push_back({run, value}); }
@@ -104,7 +102,11 @@ public:
                                        std::get<2>(key) * kRootChildSize),
                         &parts);
     std::vector<std::unique_ptr<Upper>> nodes(list.size());
-    std::vector<std::pair<bool, Value>> tiles(list.size()); // the upper node is one tile
+    struct Tile {
+      Value value{};
+      bool active = false;
+    };
+    std::vector<Tile> tiles(list.size()); // where the upper node is one
     tbb::parallel_for(std::size_t(0), list.size(), [&](std::size_t i) {
       auto upper = std::make_unique<Upper>(list[i].first, background_, false);
       for (const ValueRun& all : list[i].second->runs)
@@ -114,13 +116,10 @@ public:
         if (part.node != nullptr)
           upper->addChild(part.node);
         else
-          upper->addTile(offsetInUpper(part.index), part.value, true);
+          upper->addTile(offsetInUpper(part.index), part.value, part.active);
       }
-      Value value{};
-      bool state = false;
-      if (upper->getChildMask().isOff() && upper->isConstant(value, state) && state)
-        tiles[i] = {true, value};
-      else
+      Tile& tile = tiles[i];
+      if (!upper->getChildMask().isOff() || !upper->isConstant(tile.value, tile.active))
         nodes[i] = std::move(upper);
     });
 
@@ -129,7 +128,7 @@ public:
       if (nodes[i])
         tree->root().addChild(nodes[i].release());
       else
-        tree->root().addTile(list[i].first, tiles[i].second, true);
+        tree->root().addTile(list[i].first, tiles[i].value, tiles[i].active);
     }
     auto grid = openvdb::Grid<TreeType>::create(tree);
     grid->setName(name);
@@ -146,6 +145,7 @@ private:
     NodeIndex index;
     Lower* node;
     Value value;
+    bool active;
   };
   struct ValueRun {
     NodeRun run;

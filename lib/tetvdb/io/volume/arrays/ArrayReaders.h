@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The readers of array formats; readArrays() (io/ArrayFile.h) chooses. They check what a file
+// declares against its size before they follow it, and pass its arrays to a sink, one at a time.
+// Throw Error(Invalid) for damaged files, Error(Cancelled). Internal.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/io/source/Source.h"
+#include "tetvdb/io/volume/arrays/StoredArray.h"
+
+namespace tetvdb {
+
+void readNpy(const Source& source, const ArraySink& sink, Progress& progress);
+void readNpz(const Source& source, const ArraySink& sink, Progress& progress);
+void readVtkImage(const Source& source, const ArraySink& sink, Progress& progress);
+void readVti(const Source& source, const ArraySink& sink, Progress& progress);
+void readNrrd(const Source& source, const ArraySink& sink, Progress& progress);
+void readMetaImage(const Source& source, const ArraySink& sink, Progress& progress);
+void readNifti(const Source& source, const ArraySink& sink, Progress& progress);
+void readTiff(const Source& source, const ArraySink& sink, Progress& progress);
+void readRaw(const Source& source, const ArraySink& sink, Progress& progress);
+/// readRaw() with the text of the header, from the file `headerPath`.
+void readRawArrays(std::string_view header, const std::string& headerPath, const Source& source,
+                   const ArraySink& sink);
+void readBinvox(const Source& source, const ArraySink& sink, Progress& progress);
+
+} // namespace tetvdb

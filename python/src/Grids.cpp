@@ -6,7 +6,10 @@
 #include "tetvdb/core/Report.h"
 #include "tetvdb/io/ArrayFile.h"
 #include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/io/volume/arrays/ArrayVolume.h"
 #include "tetvdb/io/volume/arrays/MakeDenseGrid.h"
+#include "tetvdb/io/volume/arrays/NpyArray.h"
+#include "tetvdb/pipeline/ReadInput.h"
 #include "tetvdb/volume/Grids.h"
 
 #include <algorithm>
@@ -22,6 +25,7 @@
 #include <nanobind/stl/vector.h>
 #include <openvdb/io/Stream.h>
 #include <sstream>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -250,10 +254,78 @@ void write(const PyVolume& self, nb::handle where, const std::optional<Corners>&
   });
 }
 
-PyVolume read(nb::handle where) {
+PyVolume read(nb::handle where, const std::optional<std::array<double, 3>>& voxelSize,
+              const std::optional<std::array<double, 3>>& origin, const std::string& axes,
+              const std::optional<double>& background) {
   const std::string path = pathOf(where);
+  const ArrayInput options{voxelSize, origin, axes == "zyx", background};
+  if (axes != "xyz" && axes != "zyx")
+    throw Error(Status::Usage, "`axes`", "'" + axes + "' is neither xyz nor zyx");
   JobRun run({});
-  return {run([&](Report&, Progress& progress) { return readVolume(path, progress); }), {}};
+  return {run([&](Report& report, Progress& progress) {
+            Volume volume = voxelSize || origin || options.zSlowest || background
+                                ? readArrays(path, options, progress)
+                                : readVolume(path, progress);
+            warnOfReading(volume, path, report);
+            return volume;
+          }),
+          {}};
+}
+
+using ContiguousArray = nb::ndarray<nb::ro, nb::device::cpu, nb::c_contig>;
+
+// The type of the numbers of an array, and whether it is bool.
+std::pair<ElementType, bool> elementOf(const ContiguousArray& array, const std::string& name) {
+  using Code = nb::dlpack::dtype_code;
+  const nb::dlpack::dtype type = array.dtype();
+  const auto code = static_cast<Code>(type.code);
+  for (const ElementType element : kElementTypes) {
+    const bool isSigned = namesOf(element).plain[0] == 'i';
+    const Code own = isFloat(element) ? Code::Float : isSigned ? Code::Int : Code::UInt;
+    const bool isBits = code == Code::Bool && element == ElementType::UInt8;
+    if (type.bits == 8 * bytesOf(element) && type.lanes == 1 && (code == own || isBits))
+      return {element, isBits};
+  }
+  throw Error(Status::Usage, "`" + name + "`", "is no array of integers, floats or booleans",
+              "convert it, as with astype(\"float32\")");
+}
+
+// Transform: of index space, row by row.
+PyVolume fromArrays(const std::vector<std::pair<std::string, ContiguousArray>>& arrays,
+                    const std::optional<std::array<double, 3>>& voxelSize,
+                    const std::optional<std::array<double, 3>>& origin,
+                    const std::optional<std::array<double, 16>>& transform,
+                    const std::array<int, 3>& first, const std::optional<double>& background) {
+  const ArrayInput options{voxelSize, origin, false, background};
+  std::vector<NpyArray> found;
+  for (const auto& [name, array] : arrays) {
+    NpyArray one;
+    std::tie(one.element, one.isBits) = elementOf(array, name);
+    for (std::size_t k = 0; k < array.ndim(); ++k)
+      one.shape.push_back(array.shape(k));
+    one.bytes = {static_cast<const char*>(array.data()), array.nbytes()};
+    found.push_back(std::move(one));
+  }
+  JobRun run({});
+  return {run([&](Report& report, Progress& progress) {
+            ArrayVolume volume("arrays", options, progress);
+            for (std::size_t i = 0; i < found.size(); ++i) {
+              StoredArray array;
+              if (!setVoxels(found[i], array))
+                throw Error(Status::Usage, "`" + arrays[i].first + "`",
+                            "is no array of voxels but " + found[i].describe(),
+                            "give [x][y][z], with up to 4 components on a last axis");
+              array.name = arrays[i].first;
+              array.low = first;
+              array.placed = transform.has_value();
+              array.transform = transform.value_or(kIdentity);
+              volume.add(std::move(array));
+            }
+            Volume made = volume.finish();
+            warnOfReading(made, "arrays", report);
+            return made;
+          }),
+          {}};
 }
 
 void restore(PyVolume& self, const nb::bytes& state) {
@@ -374,7 +446,11 @@ void addGrids(nb::module_& module) {
           names += (names.empty() ? "" : ", ") + name;
         return "<tetvdb.Volume: " + names + ">";
       });
-  module.def("read", &read, nb::arg("path"), "Reads a .vdb or .nvdb file, or dense arrays.");
+  module.def("read", &read, nb::arg("path"), nb::kw_only(), nb::arg("voxel_size") = nb::none(),
+             nb::arg("origin") = nb::none(), nb::arg("axes") = "xyz",
+             nb::arg("background") = nb::none(),
+             "Reads a .vdb or .nvdb file, or dense arrays, to which the settings apply.");
+  module.def("from_arrays", &fromArrays);
 }
 
 nb::object volumeObject(Volume volume, ReportText report) {

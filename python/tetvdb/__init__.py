@@ -26,11 +26,34 @@ from ._tetvdb import (DeviceTensor, Error, Grid, MeshWarning, TetMesh, TriangleM
                       allow_outside, read)
 
 __all__ = ["Batch", "Dataset", "DeviceTensor", "Error", "Grid", "MeshWarning", "Queried", "Sliced",
-           "Solid", "TetMesh", "TriangleMesh", "Volume", "allow_outside", "check", "info", "prepare_mesh",
+           "Solid", "TetMesh", "TriangleMesh", "Volume", "allow_outside", "check", "from_arrays", "info", "prepare_mesh",
            "query", "read", "render", "repair", "slice", "tetrahedralize", "voxelize", "voxelize_file",
            "voxelize_frames", "__version__"]
 
 _Length = Union[float, str]
+
+
+def from_arrays(arrays: Any, *, voxel_size: Any = None, origin: Optional[Sequence[float]] = None,
+                transform: Any = None, first: Sequence[int] = (0, 0, 0),
+                background: Optional[float] = None) -> Volume:
+    """A sparse volume of dense arrays, by the rules of `read` for files of arrays.
+
+    arrays: an array [x, y, z], with up to 4 components on a last axis, of NumPy or of anything with
+        __dlpack__ in the processor's memory; or a dict of such arrays by the names of their grids.
+    voxel_size: a voxel's side, or three (default 1); origin: centre of voxel (0, 0, 0); or
+        transform: 4 x 4, from index space to world space, for column vectors.
+    first: the voxel of element [0, 0, 0]. `grid.to_numpy()`, `grid.transform` and `grid.origin` of
+        a grid give the grid again.
+    background: value of voxels that are left out (default 0; of an array that is cut off like a
+        level set its largest value).
+    """
+    import numpy
+
+    named = arrays.items() if isinstance(arrays, dict) else [("", arrays)]
+    sides = [voxel_size] * 3 if isinstance(voxel_size, (int, float)) else voxel_size
+    matrix = None if transform is None else numpy.asarray(transform, dtype=float).reshape(16).tolist()
+    return _tetvdb.from_arrays([(name, numpy.ascontiguousarray(_array(array))) for name, array in named], sides, origin,
+                               matrix, [int(i) for i in first], background)
 
 
 def voxelize(mesh: Any, cells: Any = None, *, grid: Union[str, Sequence[str]] = "density",

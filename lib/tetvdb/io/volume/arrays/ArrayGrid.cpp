@@ -5,6 +5,7 @@
 #include "tetvdb/geometry/LeafDistance.h"
 #include "tetvdb/geometry/NodeIndex.h"
 #include "tetvdb/io/volume/arrays/ArrayRows.h"
+#include "tetvdb/volume/GridKinds.h"
 #include "tetvdb/volume/TreeAssembly.h"
 #include "tetvdb/volume/VoxelBox.h"
 
@@ -110,19 +111,22 @@ Range<Number> rangeOf(const StoredArray& array, Progress& progress) {
       Range<Number>::joined, progress);
 }
 
-// Whether these are signed distances that are cut off: the largest value is frequent, negative ones
-// are inside alone and none is further from 0.
+// Whether these are signed distances that are cut off: the largest distance is frequent, at least
+// in arrays that are not named as level sets are, and negative ones are inside alone.
 bool isCutOff(const StoredArray& array, const Range<float>& range, Progress& progress) {
   constexpr std::uint64_t kShare = 10;
   if (!(range.min < 0 && range.max > 0 && -range.min <= range.max) || range.negativeAtSides)
     return false;
-  const auto atMax = reduceRows<float, std::uint64_t>(
+  if (array.name == infoOf(GridKind::Surface).name)
+    return true;
+  const auto farthest = reduceRows<float, std::uint64_t>(
       array,
       [&](std::uint64_t& sum, const float* numbers, std::size_t count, bool, bool, bool) {
-        sum += static_cast<std::uint64_t>(std::count(numbers, numbers + count, range.max));
+        sum += static_cast<std::uint64_t>(std::count_if(
+            numbers, numbers + count, [&](float value) { return std::abs(value) == range.max; }));
       },
       std::plus<>(), progress);
-  return atMax >= array.size[0] * array.size[1] * array.size[2] / kShare;
+  return farthest >= array.size[0] * array.size[1] * array.size[2] / kShare;
 }
 
 // What the numbers of a grid's values are loaded as.

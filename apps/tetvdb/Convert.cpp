@@ -11,6 +11,7 @@
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/pipeline/ConvertJob.h"
+#include "tetvdb/pipeline/FindFrames.h"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -21,7 +22,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct ConvertArguments : JobOptions {
-  std::string input, output;
+  std::vector<std::string> inputs;
+  std::string output;
   std::vector<std::string> grids;
   ArrayTexts arrays;
   ArrayInputTexts arrayInput;
@@ -46,6 +48,8 @@ const char* const kConvertExamples = R"(Examples:
   tetvdb convert scan.nrrd -o scan.vdb
   tetvdb convert predicted.npy -o predicted.vdb --voxel-size 0.5
       arrays as sparse grids; voxels of the value 0 are left out
+  tetvdb convert 'slices/*.tif' -o scan.vdb --voxel-size 0.01 --background 30
+      pages in the order of their numbers as one volume; gray 30 is left out
   tetvdb convert smoke.vdb --tiles smoke --tile-size 512
       one .vdb file for every 512^3 voxels that hold any: smoke/tile_0.vdb and so on, and
       smoke/tiles.json
@@ -55,20 +59,37 @@ const char* const kConvertExamples = R"(Examples:
 Meshes become volumes by 'tetvdb voxelize', triangles tetrahedra by 'tetvdb tetrahedralize'. Arrays
 are dense: 1000 voxels a side take 4 GB a grid of floats. docs/formats.md has the order of axes.)";
 
-ConvertJob makeJob(const ConvertArguments& options) {
+// The inputs, patterns replaced, in the order of their numbers.
+std::vector<std::string> filesIn(const ConvertArguments& options, Session& session) {
+  if (options.inputs.size() == 1 && !isPattern(options.inputs.front()))
+    return options.inputs;
+  std::vector<std::string> files;
+  for (const Frame& frame :
+       findFrames(options.inputs, {}, /*allowGaps=*/true, session.report, session.progress))
+    files.insert(files.end(), frame.inputs.begin(), frame.inputs.end());
+  return files.empty() ? options.inputs : files;
+}
+
+ConvertJob makeJob(const ConvertArguments& options, Session& session) {
   ConvertJob job;
-  job.input = options.input;
+  const std::vector<std::string> files = filesIn(options, session);
+  job.input = files.front();
   job.output = options.output;
   setTiles(options.tiles, job.output, job.tileSize, job.levels);
   if (job.output.empty())
     throw Error(Status::Usage, "", "no output was given", "name one with -o FILE");
-  const MappedFile readable(options.input); // says so at once if the file is not there
-  job.isVolume = isVolumeFile(options.input);
+  const MappedFile readable(job.input); // says so at once if the file is not there
+  job.isVolume = isVolumeFile(job.input);
   for (const std::string& name : options.grids)
     if (!name.empty())
       job.grids.push_back(name);
   job.arrays = parseArrays(options.arrays, options.output);
-  job.arrayInput = parseArrayInput(options.arrayInput, options.input);
+  job.arrayInput = parseArrayInput(options.arrayInput, job.input);
+  job.arrayInput.pages.assign(files.begin() + 1, files.end());
+  if (files.size() > 1 && volumeFormatOf(job.input) != FileFormat::Tiff)
+    throw Error(Status::Usage, files[1],
+                "is a second file, and only pages of .tif files are joined",
+                "convert one file at a time");
   if (!std::isfinite(options.simplify) || options.simplify < 0)
     throw Error(Status::Usage, "--simplify", "must be a number of voxels, zero or more");
   job.simplify = options.simplify;
@@ -95,15 +116,18 @@ std::string summaryOf(const ConvertResult& result) {
 }
 
 void runConvert(const ConvertArguments& options, Session& session) {
-  session.sections = {
-      {"device", "cpu"},   {"threads", options.threads}, {"input", {{{"path", options.input}}}},
-      {"stages", nullptr}, {"grids", Json::array()},     {"output", Json::array()}};
-  const ConvertJob job = makeJob(options);
+  session.sections = {{"device", "cpu"},
+                      {"threads", options.threads},
+                      {"input", {{{"path", options.inputs.front()}}}},
+                      {"stages", nullptr},
+                      {"grids", Json::array()},
+                      {"output", Json::array()}};
+  const ConvertJob job = makeJob(options, session);
   session.sections["threads"] = job.threads;
   limitProcess(options, session.progress);
   const AllowThreads allowed(job.threads);
   const ConvertResult result = run(job, session.report, session.progress);
-  session.sections["input"][0] = inputSection(options.input, result.source, &result.input);
+  session.sections["input"][0] = inputSection(job.input, result.source, &result.input);
   session.sections["grids"] = toJson(result.grids);
   Json outputs = Json::array();
   for (const OutputInfo& output : result.outputs)
@@ -126,9 +150,10 @@ Command addConvert(CLI::App& program) {
       "convert", "Write a mesh or a volume in another format, as arrays, or as its surface");
   auto options = std::make_shared<ConvertArguments>();
   command
-      ->add_option("IN", options->input,
+      ->add_option("IN", options->inputs,
                    "A mesh of triangles or tets, a volume, or dense arrays: " +
-                       endingList(FormatUse::ReadArrays))
+                       endingList(FormatUse::ReadArrays) +
+                       "; several .tif files, or a pattern of them, as the pages of one stack")
       ->required()
       ->type_name("");
   command
@@ -160,7 +185,7 @@ Command addConvert(CLI::App& program) {
   command->footer(kConvertExamples);
   result.run = [options](Session& session) { runConvert(*options, session); };
   result.files = [options] {
-    FileNames names{{options->input}, arrayFiles(options->output)};
+    FileNames names{options->inputs, arrayFiles(options->output)};
     if (!options->tiles.folder.empty())
       names.written.push_back(options->tiles.folder + "/tiles.json");
     return names;

@@ -254,11 +254,21 @@ void write(const PyVolume& self, nb::handle where, const std::optional<Corners>&
   });
 }
 
-PyVolume read(nb::handle where, const std::optional<std::array<double, 3>>& voxelSize,
-              const std::optional<std::array<double, 3>>& origin, const std::string& axes,
+ArrayInput inputOf(const std::optional<Vec3d>& voxelSize, const std::optional<Vec3d>& origin,
+                   bool zSlowest, const std::optional<double>& background) {
+  ArrayInput options;
+  options.voxelSize = voxelSize;
+  options.origin = origin;
+  options.zSlowest = zSlowest;
+  options.background = background;
+  return options;
+}
+
+PyVolume read(nb::handle where, const std::optional<Vec3d>& voxelSize,
+              const std::optional<Vec3d>& origin, const std::string& axes,
               const std::optional<double>& background) {
   const std::string path = pathOf(where);
-  const ArrayInput options{voxelSize, origin, axes == "zyx", background};
+  const ArrayInput options = inputOf(voxelSize, origin, axes == "zyx", background);
   if (axes != "xyz" && axes != "zyx")
     throw Error(Status::Usage, "`axes`", "'" + axes + "' is neither xyz nor zyx");
   JobRun run({});
@@ -292,11 +302,10 @@ std::pair<ElementType, bool> elementOf(const ContiguousArray& array, const std::
 
 // Transform: of index space, row by row.
 PyVolume fromArrays(const std::vector<std::pair<std::string, ContiguousArray>>& arrays,
-                    const std::optional<std::array<double, 3>>& voxelSize,
-                    const std::optional<std::array<double, 3>>& origin,
+                    const std::optional<Vec3d>& voxelSize, const std::optional<Vec3d>& origin,
                     const std::optional<std::array<double, 16>>& transform,
                     const std::array<int, 3>& first, const std::optional<double>& background) {
-  const ArrayInput options{voxelSize, origin, false, background};
+  const ArrayInput options = inputOf(voxelSize, origin, false, background);
   std::vector<NpyArray> found;
   for (const auto& [name, array] : arrays) {
     NpyArray one;

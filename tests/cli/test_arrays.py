@@ -357,6 +357,16 @@ class ArraysTest(program.CommandLineTest):
         self.succeed("render", "z.npy", "-o", "z.png")
         self.succeed("convert", "z.npy", "-o", "z.stl")
         self.assertEqual(self.report_of("info", "z.npy", "z.npy")["input"][1]["format"], "NumPy .npy")
+        if tifffile:
+            for z in range(40):  # whose names are not in the order of their numbers
+                tifffile.imwrite(self.path("s_%d.tif" % z), np.nan_to_num(values[:, :, z]).T.astype(np.float32))
+            self.succeed("convert", str(self.path("s_*.tif")), "-o", "s.vdb")
+            vdb.readAll(str(self.path("s.vdb")))[0][0].copyToArray(read)
+            self.same(read, np.nan_to_num(values).astype(np.float32))
+            self.succeed("convert", *sorted("s_%d.tif" % z for z in range(40)), "-o", "t.vdb")
+            self.assertEqual(self.hash_of("t.vdb"), self.hash_of("s.vdb"))
+            self.refuse(2, "convert", "s_1.tif", "z.npy", "-o", "0.vdb", says=("z.npy", ".tif"))
+            self.refuse(2, "convert", "z.npy", "s_1.tif", "-o", "0.vdb", says=("second file",))
         np.save(self.path("0.npy"), np.zeros((4, 4, 4)))
         self.refuse(3, "convert", "0.npy", "-o", "0.vdb", says=("background",))
         self.refuse(3, "voxelize", "z.npy", "-o", "0.vdb", says=("is a volume", "tetvdb convert"))

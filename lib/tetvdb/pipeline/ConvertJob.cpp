@@ -63,7 +63,7 @@ private:
     const std::vector<std::string> outputs = arrayFiles(job_.output);
     for (const std::string& path : outputs)
       requireWritable(path);
-    requireSeparateFiles({job_.input}, outputs);
+    requireSeparateFiles(inputs(), outputs);
     if (job_.isVolume && toTets_)
       throw Error(Status::Usage, job_.output, "is a format of tetrahedra, and the input a volume",
                   "its surface becomes " + endingList(FormatUse::WriteTriangles));
@@ -86,9 +86,15 @@ private:
     if (!job_.levels.isEmpty())
       checkLevels(job_.levels);
     if (toTiles_)
-      requireTileFolder(job_.output, job_.tileSize, job_.levels, {job_.input});
+      requireTileFolder(job_.output, job_.tileSize, job_.levels, inputs());
     else if (!job_.levels.isEmpty() && !toVolume_)
       throw Error(Status::Usage, "`lod`", "is for .vdb and .nvdb files, and tiles", "leave it out");
+  }
+
+  std::vector<std::string> inputs() const {
+    std::vector<std::string> all{job_.input};
+    all.insert(all.end(), job_.arrayInput.pages.begin(), job_.arrayInput.pages.end());
+    return all;
   }
 
   bool writes(FormatUse use) const { return formatForEnding(job_.output, use) != nullptr; }

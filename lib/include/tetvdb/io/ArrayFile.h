@@ -35,6 +35,8 @@ struct ArrayInput {
   /// The value of inactive voxels: 0, and the largest value of an array that is cut off like a
   /// level set.
   std::optional<double> background;
+  /// Of a .tif: further files, whose pages follow.
+  std::vector<std::string> pages;
 };
 
 /// Whether the path's extension, in any case, is that of an array format.

@@ -9,6 +9,10 @@
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/io/volume/arrays/StoredArray.h"
 
+#include <string>
+#include <string_view>
+#include <vector>
+
 namespace tetvdb {
 
 void readNpy(const Source& source, const ArraySink& sink, Progress& progress);
@@ -19,6 +23,8 @@ void readNrrd(const Source& source, const ArraySink& sink, Progress& progress);
 void readMetaImage(const Source& source, const ArraySink& sink, Progress& progress);
 void readNifti(const Source& source, const ArraySink& sink, Progress& progress);
 void readTiff(const Source& source, const ArraySink& sink, Progress& progress);
+/// The pages of several files as those of one stack; at least one.
+void readTiffs(const std::vector<Source>& sources, const ArraySink& sink, Progress& progress);
 void readRaw(const Source& source, const ArraySink& sink, Progress& progress);
 /// readRaw() with the text of the header, from the file `headerPath`.
 void readRawArrays(std::string_view header, const std::string& headerPath, const Source& source,

@@ -66,52 +66,82 @@ public:
     in_.seek(2);
     big_ = in_.get<std::uint16_t>() == 43;
     in_.seek(big_ ? 8 : 4);
-    std::uint64_t packed = 0;
     // A loop of directories has more of them than the file has room for.
     std::uint64_t left = bytes_.size() / 14 + 1;
     for (std::uint64_t at = offset(); at != 0; at = offset(), --left) {
       if (left == 0)
         fail("its pages never end");
       readDirectory(at);
-      for (const std::uint64_t size : pages_.back().bytes) {
+    }
+    if (pages_.empty())
+      fail("has no page");
+    std::uint64_t packed = 0;
+    for (const Page& page : pages_) {
+      if (!(page.layout == pages_.front().layout))
+        throw Error(Status::Invalid, path_, "its pages differ in size or type",
+                    "save the pages of one stack");
+      for (const std::uint64_t size : page.bytes) {
         if (size > bytes_.size() - packed)
           fail("its pages overlap, or end beyond the file");
         packed += size;
       }
     }
-    if (pages_.empty())
-      fail("has no page");
-    for (const Page& page : pages_)
-      if (!(page.layout == pages_.front().layout))
-        throw Error(Status::Invalid, path_, "its pages differ in size or type",
-                    "save the pages of one stack");
     addContiguousPages();
   }
 
-  void read(const ArraySink& sink, Progress& progress) const {
-    const PageLayout& layout = pages_.front().layout;
-    StoredArray array;
-    array.element = elementOf(layout);
-    array.swap = in_.swap();
-    const auto channels =
-        static_cast<std::uint64_t>(std::clamp(described(description_, "channels=", 1), 1.0, 1e6));
-    const bool hasChannels = layout.samples == 1 && channels > 1 && pages_.size() % channels == 0;
-    array.components = hasChannels ? channels : layout.samples;
-    array.size = {layout.width, layout.height, pages_.size() / (hasChannels ? channels : 1)};
-    const std::uint64_t page = layout.width * layout.height * layout.samples;
-    array.step = {layout.samples, layout.width * layout.samples,
-                  page * (hasChannels ? channels : 1)};
-    array.componentStep = hasChannels ? page : 1;
-    setSize(array);
+  const std::vector<Page>& pages() const { return pages_; }
+  bool swap() const { return in_.swap(); }
+  std::string_view description() const { return description_; }
 
-    const std::size_t pageBytes = static_cast<std::size_t>(page) * bytesOf(array.element);
-    std::string bytes(pageBytes * pages_.size(), '\0');
-    tbb::parallel_for(std::size_t(0), pages_.size(), [&](std::size_t i) {
-      progress.check();
-      readPage(pages_[i], array.element, bytes.data() + i * pageBytes);
-    });
-    array.bytes = bytes;
-    sink.array(array);
+  ElementType elementOf(const PageLayout& layout) const {
+    constexpr std::uint64_t kUnsigned = 1, kSigned = 2, kFloat = 3;
+    for (const ElementType element : kElementTypes) {
+      const bool isSigned = namesOf(element).plain[0] == 'i';
+      const std::uint64_t format = isFloat(element) ? kFloat : isSigned ? kSigned : kUnsigned;
+      if (8 * bytesOf(element) == layout.bits && format == layout.format)
+        return element;
+    }
+    throw Error(Status::Invalid, path_,
+                "numbers of " + std::to_string(layout.bits) + " bits are not read",
+                "save it with 8, 16 or 32 bits");
+  }
+
+  // Pixels a unit of length, and the distance of pages: of ImageJ, whose unit is in the text.
+  void setSize(StoredArray& array) const {
+    if (description_.substr(0, 6) != "ImageJ")
+      return;
+    const double x = resolution_[0] > 0 ? 1 / resolution_[0] : 1;
+    const double y = resolution_[1] > 0 ? 1 / resolution_[1] : x;
+    const double z = described(description_, "spacing=", x);
+    array.placed = true;
+    array.transform[0] = x;
+    array.transform[5] = y;
+    array.transform[10] = z > 0 ? z : x;
+  }
+
+  void readPage(const Page& page, ElementType element, char* out) const {
+    const PageLayout& layout = page.layout;
+    const std::size_t pixel = bytesOf(element) * static_cast<std::size_t>(layout.samples);
+    const std::size_t row = static_cast<std::size_t>(layout.width) * pixel;
+    const std::size_t partRow = static_cast<std::size_t>(layout.partWidth) * pixel;
+    const bool isTiled = layout.partWidth != layout.width;
+    for (std::size_t i = 0; i < page.offsets.size(); ++i) {
+      const std::uint64_t x = i % layout.across() * layout.partWidth;
+      const std::uint64_t y = i / layout.across() * layout.partHeight;
+      const std::uint64_t rows = std::min(layout.partHeight, layout.height - y);
+      const std::uint64_t stored = isTiled ? layout.partHeight : rows; // a last strip is shorter
+      std::string part =
+          decompress(bytes_.substr(static_cast<std::size_t>(page.offsets[i]),
+                                   static_cast<std::size_t>(page.bytes[i])),
+                     layout.compression, partRow * static_cast<std::size_t>(stored), path_);
+      if (layout.predictor == 2)
+        for (std::uint64_t r = 0; r < stored; ++r)
+          addDifferences(element, layout.samples, layout.partWidth, part.data() + r * partRow);
+      const std::size_t used =
+          static_cast<std::size_t>(std::min(layout.partWidth, layout.width - x)) * pixel;
+      for (std::uint64_t r = 0; r < rows; ++r)
+        std::memcpy(out + (y + r) * row + x * pixel, part.data() + r * partRow, used);
+    }
   }
 
 private:
@@ -139,7 +169,9 @@ private:
       entries[tag] = entry;
     }
     const std::size_t next = in_.position();
-    addPage(entries);
+    const bool isSmaller = (number(entries, kSubfileType, 0) & 1) != 0; // of another page
+    if (!isSmaller || pages_.empty())
+      addPage(entries);
     in_.seek(next);
   }
 
@@ -231,19 +263,6 @@ private:
     requireBytes(path_, packed * ratio, layout.bits / 8, sizes);
   }
 
-  ElementType elementOf(const PageLayout& layout) const {
-    constexpr std::uint64_t kUnsigned = 1, kSigned = 2, kFloat = 3;
-    for (const ElementType element : kElementTypes) {
-      const bool isSigned = namesOf(element).plain[0] == 'i';
-      const std::uint64_t format = isFloat(element) ? kFloat : isSigned ? kSigned : kUnsigned;
-      if (8 * bytesOf(element) == layout.bits && format == layout.format)
-        return element;
-    }
-    throw Error(Status::Invalid, path_,
-                "numbers of " + std::to_string(layout.bits) + " bits are not read",
-                "save it with 8, 16 or 32 bits");
-  }
-
   // ImageJ's stacks of over 4 GB have a directory for the first page alone.
   void addContiguousPages() {
     const double images = described(description_, "images=", 1);
@@ -258,44 +277,6 @@ private:
       Page page = pages_.front();
       page.offsets.front() = first + i * size;
       pages_.push_back(std::move(page));
-    }
-  }
-
-  // Pixels a unit of length, and the distance of pages: of ImageJ, whose unit is in the text.
-  void setSize(StoredArray& array) const {
-    if (description_.substr(0, 6) != "ImageJ")
-      return;
-    const double x = resolution_[0] > 0 ? 1 / resolution_[0] : 1;
-    const double y = resolution_[1] > 0 ? 1 / resolution_[1] : x;
-    const double z = described(description_, "spacing=", x);
-    array.placed = true;
-    array.transform[0] = x;
-    array.transform[5] = y;
-    array.transform[10] = z > 0 ? z : x;
-  }
-
-  void readPage(const Page& page, ElementType element, char* out) const {
-    const PageLayout& layout = page.layout;
-    const std::size_t pixel = bytesOf(element) * static_cast<std::size_t>(layout.samples);
-    const std::size_t row = static_cast<std::size_t>(layout.width) * pixel;
-    const std::size_t partRow = static_cast<std::size_t>(layout.partWidth) * pixel;
-    const bool isTiled = layout.partWidth != layout.width;
-    for (std::size_t i = 0; i < page.offsets.size(); ++i) {
-      const std::uint64_t x = i % layout.across() * layout.partWidth;
-      const std::uint64_t y = i / layout.across() * layout.partHeight;
-      const std::uint64_t rows = std::min(layout.partHeight, layout.height - y);
-      const std::uint64_t stored = isTiled ? layout.partHeight : rows; // a last strip is shorter
-      std::string part =
-          decompress(bytes_.substr(static_cast<std::size_t>(page.offsets[i]),
-                                   static_cast<std::size_t>(page.bytes[i])),
-                     layout.compression, partRow * static_cast<std::size_t>(stored), path_);
-      if (layout.predictor == 2)
-        for (std::uint64_t r = 0; r < stored; ++r)
-          addDifferences(element, layout.samples, layout.partWidth, part.data() + r * partRow);
-      const std::size_t used =
-          static_cast<std::size_t>(std::min(layout.partWidth, layout.width - x)) * pixel;
-      for (std::uint64_t r = 0; r < rows; ++r)
-        std::memcpy(out + (y + r) * row + x * pixel, part.data() + r * partRow, used);
     }
   }
 
@@ -335,8 +316,52 @@ private:
 
 } // namespace
 
+void readTiffs(const std::vector<Source>& sources, const ArraySink& sink, Progress& progress) {
+  std::vector<TiffInput> files;
+  files.reserve(sources.size());
+  struct Place {
+    const TiffInput* file;
+    const Page* page;
+  };
+  std::vector<Place> pages;
+  for (const Source& source : sources) {
+    progress.check();
+    const TiffInput& file = files.emplace_back(source);
+    if (!(file.pages().front().layout == files.front().pages().front().layout) ||
+        file.swap() != files.front().swap())
+      throw Error(Status::Invalid, source.path,
+                  "its pages are not like those of '" + sources.front().path + "'",
+                  "name the pages of one stack");
+    for (const Page& page : file.pages())
+      pages.push_back({&file, &page});
+  }
+  const TiffInput& first = files.front();
+  const PageLayout& layout = first.pages().front().layout;
+  StoredArray array;
+  array.element = first.elementOf(layout);
+  array.swap = first.swap();
+  const auto channels = static_cast<std::uint64_t>(
+      std::clamp(described(first.description(), "channels=", 1), 1.0, 1e6));
+  const bool hasChannels = layout.samples == 1 && channels > 1 && pages.size() % channels == 0;
+  array.components = hasChannels ? channels : layout.samples;
+  array.size = {layout.width, layout.height, pages.size() / (hasChannels ? channels : 1)};
+  const std::uint64_t page = layout.width * layout.height * layout.samples;
+  array.step = {layout.samples, layout.width * layout.samples, page * (hasChannels ? channels : 1)};
+  array.componentStep = hasChannels ? page : 1;
+  first.setSize(array);
+
+  const std::size_t pageBytes = static_cast<std::size_t>(page) * bytesOf(array.element);
+  std::string bytes(pageBytes * pages.size(), '\0');
+  tbb::parallel_for(std::size_t(0), pages.size(), [&](std::size_t i) {
+    progress.check();
+    pages[i].file->readPage(*pages[i].page, array.element, bytes.data() + i * pageBytes);
+  });
+  array.bytes = bytes;
+  sink.array(array);
+}
+
 void readTiff(const Source& source, const ArraySink& sink, Progress& progress) {
-  TiffInput(source).read(sink, progress);
+  readTiffs({source}, sink, progress);
 }
 
 } // namespace tetvdb

@@ -10,6 +10,7 @@
 namespace tetvdb::tiff {
 
 enum Tag : std::uint16_t {
+  kSubfileType = 254,
   kImageWidth = 256,
   kImageLength = 257,
   kBitsPerSample = 258,

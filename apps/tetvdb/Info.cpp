@@ -82,17 +82,19 @@ std::string gridText(const GridInfo& grid) {
 }
 
 StreamedInfo readInfo(const std::string& path, bool withHash, std::vector<UnreadGrid>& unread,
-                      Progress& progress) {
+                      Session& session) {
+  Progress& progress = session.progress;
   if (isLargeVolume(path)) // all of its grids are of types that are read
     return describeVolumeFile(path, withHash, progress);
   const Volume volume = readVolume(path, progress);
   unread = volume.unread;
+  warnOfNaN(volume, path, session.report);
   return {volume.metadata, describe(volume), withHash ? hash(volume) : "", {}};
 }
 
 void describeVolume(const std::string& path, bool withHash, Json& section, Session& session) {
   std::vector<UnreadGrid> unread;
-  const StreamedInfo volume = readInfo(path, withHash, unread, session.progress);
+  const StreamedInfo volume = readInfo(path, withHash, unread, session);
   section["format"] = formatName(volumeFormatOf(path));
   section["kind"] = "volume";
   session.text += fmt::format("{}: {}\n", oneLine(path), section["format"].get<std::string>());

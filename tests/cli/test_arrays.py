@@ -312,7 +312,7 @@ class ArraysTest(program.CommandLineTest):
         self.write("a.vtu", simulation())
         self.make("vel.vdb", grids="vel,temperature,tet_id", source="a.vtu")
         several = [("x.npz",), ("x.npz", "--compress"), ("x.npz", "--sparse"), ("x.vti",), ("x.vti", "--compress"),
-                   ("x.raw",)]
+                   ("x.raw",), ("x.h5",), ("x.h5", "--compress")]
         one = [("x.nrrd",), ("x.nrrd", "--compress")]
         cases = [("all", case) for case in several] + [("mask", ("x.binvox",))]
         cases += [(name, case) for name in ("density", "surface", "mask") for case in several + one]

@@ -112,6 +112,11 @@ bool isNrrd(const FileStart& file) {
   return startsWith(file.head, "NRRD000");
 }
 
+/// Of no other format: the last of those in HDF5.
+bool isHdf5(const FileStart& file) {
+  return startsWith(file.head, "\x89HDF\r\n");
+}
+
 bool isMetaImage(const FileStart& file) {
   return (startsWith(file.start, "objecttype") || startsWith(file.start, "ndims")) &&
          contains(file.head, "ElementDataFile");
@@ -348,9 +353,13 @@ bool isUnv(const FileStart& file) {
          in.tryInteger(number) && number > 0;
 }
 
+/// HDF5 of no other format, but for arrays, which are told by their endings and lack the count of
+/// nodes.
 bool isExodus(const FileStart& file) {
+  const bool isArrays = file.ending == ".h5" || file.ending == ".hdf5";
   return startsWith(file.head, "CDF\x01") || startsWith(file.head, "CDF\x02") ||
-         startsWith(file.head, "CDF\x05") || startsWith(file.head, "\x89HDF\r\n");
+         startsWith(file.head, "CDF\x05") ||
+         isHdf5With(file, "num_nod", isArrays ? "none" : file.ending);
 }
 
 // --- By the name --------------------------------------------------------------------------------

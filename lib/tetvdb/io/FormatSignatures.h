@@ -26,6 +26,7 @@ bool isNpz(const FileStart& file);
 bool isVtkImage(const FileStart& file);
 bool isVti(const FileStart& file);
 bool isNrrd(const FileStart& file);
+bool isHdf5(const FileStart& file);
 bool isMetaImage(const FileStart& file);
 bool isNifti(const FileStart& file);
 bool isTiff(const FileStart& file);

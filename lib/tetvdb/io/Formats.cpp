@@ -284,7 +284,7 @@ std::vector<Format> makeTable() {
                             "A medical image, also packed (.nii.gz)", isNifti, readNifti, 0,
                             nullptr));
   all.push_back(denseArrays(FileFormat::Hdf5, "HDF5", ".h5 .hdf5",
-                            "A dataset a grid, with attributes", nullptr, nullptr,
+                            "A dataset a grid, with attributes", isHdf5, readHdf5Arrays,
                             kSeveral | kCompressed, writeHdf5));
   all.push_back(denseArrays(FileFormat::Tiff, "TIFF", ".tif .tiff", "A stack of pages, for ImageJ",
                             isTiff, readTiff, kCompressed, writeTiff));
@@ -419,6 +419,10 @@ std::string describeUnknownFormat(std::string_view bytes, const std::string& pat
   const std::string name(format.name);
   if (begins(" BDV") && !can(format, FormatUse::ReadVolume))
     return "is an OpenVDB volume, cut off";
+  if (found == FileFormat::Hdf5)
+    return "is HDF5, but no mesh of its formats: name the .xdmf file beside it, if there is one "
+           "('tetvdb "
+           "convert' makes a volume of its arrays)";
   if (can(format, FormatUse::ReadVolume))
     return "is a volume (" + name + "), not a mesh ('tetvdb convert' writes it as .vdb)";
   if (format.readTriangles != nullptr && format.readCells == nullptr)

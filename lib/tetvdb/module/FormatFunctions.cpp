@@ -14,7 +14,8 @@ extern "C" [[gnu::visibility("default")]] const tetvdb::FormatFunctions* tetvdbF
       tetvdb::vtkHdfTimes,       tetvdb::readGltf,
       tetvdb::readFbx,           tetvdb::readCollada,
       tetvdb::readThreeDs,       tetvdb::readHdf5,
-      tetvdb::hdf5Shape,         tetvdb::writeHdf5,
-      tetvdb::writeHdf5Arrays,   tetvdb::joinHdf5Files};
+      tetvdb::hdf5Shape,         tetvdb::readHdf5Volume,
+      tetvdb::writeHdf5,         tetvdb::writeHdf5Arrays,
+      tetvdb::joinHdf5Files};
   return &functions;
 }

@@ -96,6 +96,10 @@ std::vector<std::uint64_t> hdf5Shape(const Hdf5Dataset& dataset, const std::stri
   return module().hdf5Shape(dataset, path, report, progress);
 }
 
+NumberArrays readHdf5Volume(const Source& source, Report& report, Progress& progress) {
+  return module().readHdf5Volume(source, report, progress);
+}
+
 void writeHdf5(const ArrayContent& content, Progress& progress) {
   module().writeHdf5(content, progress);
 }

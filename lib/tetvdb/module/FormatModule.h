@@ -13,6 +13,7 @@
 #include "tetvdb/io/formats/xdmf/Hdf5Arrays.h"
 #include "tetvdb/io/source/PathWithin.h"
 #include "tetvdb/io/volume/arrays/ArrayFormats.h"
+#include "tetvdb/io/volume/arrays/Hdf5Volume.h"
 #include "tetvdb/pipeline/dataset/Hdf5Arrays.h"
 
 namespace tetvdb {
@@ -37,6 +38,7 @@ struct FormatFunctions {
   decltype(&tetvdb::readThreeDs) readThreeDs;
   decltype(&tetvdb::readHdf5) readHdf5;
   decltype(&tetvdb::hdf5Shape) hdf5Shape;
+  decltype(&tetvdb::readHdf5Volume) readHdf5Volume;
   decltype(&tetvdb::writeHdf5) writeHdf5;
   decltype(&tetvdb::writeHdf5Arrays) writeHdf5Arrays;
   decltype(&tetvdb::joinHdf5Files) joinHdf5Files;

@@ -57,13 +57,17 @@ TriangleMesh trianglesOf(const std::string& path, Report& report, Progress& prog
 
 } // namespace
 
-void warnOfReading(const Volume& volume, const std::string& path, Report& report) {
-  for (const UnreadGrid& grid : volume.unread)
-    report.warn("unread-grid", path + ": the grid '" + grid.name + "' is of type " + grid.type +
-                                   ", which is not read");
+void warnOfNaN(const Volume& volume, const std::string& path, Report& report) {
   if (volume.notNumbers > 0)
     report.warn("not-numbers", path + ": " + std::to_string(volume.notNumbers) +
                                    " voxels are not numbers (NaN) and become inactive");
+}
+
+void warnOfReading(const Volume& volume, const std::string& path, Report& report) {
+  warnOfNaN(volume, path, report);
+  for (const UnreadGrid& grid : volume.unread)
+    report.warn("unread-grid", path + ": the grid '" + grid.name + "' is of type " + grid.type +
+                                   ", which is not read");
 }
 
 Volume readVolumeInput(const std::string& path, Report& report, Progress& progress,

@@ -73,13 +73,14 @@ void writeArrays(const std::string& path, const Volume& volume, const ArrayOptio
 /// Reads a file of dense arrays, by content, into sparse grids: a voxel is active if its value is
 /// not the background. Numbers become float grids, integers of 32 and 64 bits int32 and int64,
 /// booleans and bytes of 0 and 1 masks, three components vectors, other components grids of their
-/// own, NAME_0 and so on. A float array is a level set if a tenth of its voxels, or of an array
-/// "surface" one, is at its largest value or the negative of it, none is further from 0 and
-/// negative ones are not at the sides of its box; other floats are fog. An array without a name is "density", "mask" or "surface". NaN is inactive, and counted
-/// in Volume::notNumbers; arrays that are not of voxels are in Volume::unread. Memory: the trees,
-/// and one array where the file has it compressed. Throws Error(Invalid) for files that are damaged
-/// or hold no array of voxels, Error(Usage) for options that the file has no use for, Error(Limit)
-/// for arrays beyond voxel 2^30, Error(Cancelled).
+/// own, NAME_0 and so on. A float array is a level set if a tenth of its voxels (of an array named
+/// "surface" one) is at its largest value or the negative of it, none is further from 0 and none at
+/// the sides of its box is negative; other floats are fog. An array without a name is "density",
+/// "mask", "vector" or "surface". NaN is inactive, and counted in Volume::notNumbers; arrays that
+/// are not of voxels are in Volume::unread. Memory: the trees, and one array where the file has it
+/// compressed. Parallel; a few ns a voxel. Throws Error(Invalid) for files that are damaged or hold
+/// no array of voxels, Error(Usage) for options that the file has no use for, Error(Limit) for
+/// arrays beyond voxel 2^30, Error(Cancelled).
 Volume readArrays(const std::string& path, const ArrayInput& options, Progress& progress);
 
 } // namespace tetvdb

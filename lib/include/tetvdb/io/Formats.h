@@ -58,6 +58,7 @@ struct Format {
   void (*spoolCells)(const Source&, const ReadOptions&, SpooledMesh&, Report&, Progress&) = nullptr;
   TriangleMesh (*readTriangles)(const Source&, Report&, Progress&) = nullptr;
   Volume (*readVolume)(const std::string& path, Progress&) = nullptr;
+  /// Passes the arrays of a file to the sink, one at a time.
   void (*readArrays)(const Source&, const ArraySink&, Progress&) = nullptr;
   /// Only for formats with both: whether a file has solid cells. Reads the types of cells, up to
   /// the first solid one if they are stored in sequence, and no values; throws if it cannot be

@@ -59,8 +59,10 @@ TetMesh readTets(const std::string& path, const ReadOptions& options, const Cell
 TriangleMesh readSoup(const std::string& path, InputInfo* info, Report& report, Progress& progress,
                       const MemoryInputs& memory = {});
 
-/// Warns ("unread-grid") of each grid of the file `path` that the reader does not understand, and
-/// ("not-numbers") of voxels that are NaN in arrays.
+/// Warns ("not-numbers") of voxels that are NaN in arrays of the file `path`.
+void warnOfNaN(const Volume& volume, const std::string& path, Report& report);
+
+/// The same, and warns ("unread-grid") of each grid of the file that the reader does not understand.
 void warnOfReading(const Volume& volume, const std::string& path, Report& report);
 
 /// Reads a volume file with warnOfReading(), or returns a volume in `memory`. Throws as

@@ -195,6 +195,19 @@ std::vector<std::string> Hdf5File::members(const std::string& group) const {
   return names;
 }
 
+bool Hdf5File::isGroup(const std::string& path) const {
+  H5G_info_t info;
+  return has(path) &&
+         H5Gget_info_by_name(state_->file.get(), path.c_str(), &info, state_->links.get()) >= 0;
+}
+
+std::size_t Hdf5File::numberBytes(const std::string& dataset) const {
+  const Handle opened = state_->open(dataset);
+  const Handle type(H5Dget_type(opened.get()), H5Tclose);
+  const H5T_class_t kind = H5Tget_class(type.get());
+  return kind == H5T_INTEGER || kind == H5T_FLOAT ? H5Tget_size(type.get()) : 0;
+}
+
 std::vector<std::uint64_t> Hdf5File::shape(const std::string& dataset) const {
   const Handle opened = state_->open(dataset);
   const Handle space(H5Dget_space(opened.get()), H5Sclose);
@@ -270,6 +283,22 @@ std::optional<std::string> Hdf5File::text(const std::string& group, const char* 
   if (H5Aread(opened.get(), type.get(), text.data()) < 0)
     return {};
   return std::string(text.c_str());
+}
+
+std::vector<double> Hdf5File::numbers(const std::string& group, const char* attribute,
+                                      std::size_t count) const {
+  const Handle opened = state_->attribute(group, attribute);
+  if (!opened)
+    return {};
+  const Handle type(H5Aget_type(opened.get()), H5Tclose),
+      space(H5Aget_space(opened.get()), H5Sclose);
+  const H5T_class_t kind = H5Tget_class(type.get());
+  double numbers[16] = {};
+  if ((kind != H5T_INTEGER && kind != H5T_FLOAT) || count > std::size(numbers) ||
+      H5Sget_simple_extent_npoints(space.get()) != static_cast<hssize_t>(count) ||
+      H5Aread(opened.get(), H5T_NATIVE_DOUBLE, numbers) < 0)
+    return {};
+  return {numbers, numbers + count};
 }
 
 std::optional<std::int64_t> Hdf5File::integer(const std::string& group,

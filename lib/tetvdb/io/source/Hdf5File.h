@@ -35,6 +35,10 @@ public:
   bool has(const std::string& path) const;
   /// Names of the members of a group, in alphabetical order; empty if there is no group.
   std::vector<std::string> members(const std::string& group) const;
+  /// Whether `path` is a group of the file.
+  bool isGroup(const std::string& path) const;
+  /// Bytes of a dataset's integers or floating-point numbers; 0 if it has neither.
+  std::size_t numberBytes(const std::string& dataset) const;
   /// Lengths of a dataset's dimensions. Throws if there is no dataset.
   std::vector<std::uint64_t> shape(const std::string& dataset) const;
   /// The numbers of a dataset, each of at most 64 bits (widened as in mesh/Attribute.h); with
@@ -46,6 +50,9 @@ public:
   std::string firstOutside() const;
   /// A text attribute of a group; none if it does not exist.
   std::optional<std::string> text(const std::string& group, const char* attribute) const;
+  /// A numeric attribute of a group with `count` numbers, at most 16; empty if there is none.
+  std::vector<double> numbers(const std::string& group, const char* attribute,
+                              std::size_t count) const;
   /// An integer attribute of a group: its first number; none if it does not exist.
   std::optional<std::int64_t> integer(const std::string& group, const char* attribute) const;
 

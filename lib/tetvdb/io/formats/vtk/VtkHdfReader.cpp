@@ -6,6 +6,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/cells/CellRuns.h"
 #include "tetvdb/io/formats/vtk/VtkCells.h"
+#include "tetvdb/io/formats/vtk/VtkInput.h"
 #include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/source/Hdf5File.h"
 #include "tetvdb/io/source/IsolatedRead.h"
@@ -52,7 +53,7 @@ public:
             .value_or(file_.has(kRoot + "/Types") ? "UnstructuredGrid" : "no type");
     isPoly_ = type == "PolyData";
     if (!isPoly_ && type != "UnstructuredGrid")
-      fail("holds " + type + ", not an UnstructuredGrid or PolyData",
+      fail("holds " + vtk::readable(type) + ", not an UnstructuredGrid or PolyData",
            "save the mesh as an unstructured grid");
   }
 

@@ -20,6 +20,7 @@ void readNpz(const Source& source, const ArraySink& sink, Progress& progress);
 void readVtkImage(const Source& source, const ArraySink& sink, Progress& progress);
 void readVti(const Source& source, const ArraySink& sink, Progress& progress);
 void readNrrd(const Source& source, const ArraySink& sink, Progress& progress);
+void readHdf5Arrays(const Source& source, const ArraySink& sink, Progress& progress);
 void readMetaImage(const Source& source, const ArraySink& sink, Progress& progress);
 void readNifti(const Source& source, const ArraySink& sink, Progress& progress);
 void readTiff(const Source& source, const ArraySink& sink, Progress& progress);

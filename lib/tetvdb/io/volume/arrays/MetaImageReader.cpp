@@ -4,14 +4,11 @@
 // file of the numbers, or says that they follow. Rows of the matrix are directions of axes, as
 // ITK's MetaImageIO writes them.
 #include "tetvdb/core/Letters.h"
-#include "tetvdb/io/source/PathWithin.h"
-#include "tetvdb/io/text/GunzipBytes.h"
 #include "tetvdb/io/text/NumberParser.h"
 #include "tetvdb/io/volume/arrays/ArrayReaders.h"
+#include "tetvdb/io/volume/arrays/HeaderInput.h"
 
 #include <algorithm>
-#include <map>
-#include <optional>
 #include <vector>
 
 namespace tetvdb {
@@ -29,33 +26,28 @@ constexpr MetaType kMetaTypes[] = {
     {"MET_LONG_LONG", ElementType::Int64}, {"MET_ULONG_LONG", ElementType::UInt64},
     {"MET_FLOAT", ElementType::Float32},   {"MET_DOUBLE", ElementType::Float64}};
 
-class MetaInput {
+class MetaInput : HeaderInput {
 public:
-  explicit MetaInput(const Source& source) : source_(source) { readHeader(); }
+  explicit MetaInput(const Source& source) : HeaderInput(source) { readHeader(); }
 
   void read(const ArraySink& sink, Progress& progress) {
     setShape();
     setPlace();
-    std::optional<MappedFile> beside;
     const std::string& name = needed("ElementDataFile");
     if (lowerCase(name.substr(0, 4)) == "list" || name.find('%') != name.npos)
       fail("its numbers are in several files, which are not joined", "save it as one .mha file");
-    if (lowerCase(name) != "local") {
-      beside.emplace(pathWithin(source_.path, name));
-      data_ = beside->bytes();
-    }
-    const std::string unpacked = decode();
-    if (!unpacked.empty())
-      array_.bytes = unpacked;
-    progress.check();
-    sink.array(array_);
+    if (lowerCase(name) != "local")
+      useFile(name);
+    const std::string* binary = find({"BinaryData"});
+    const Encoding encoding = binary != nullptr && lowerCase(*binary) == "false" ? Encoding::Text
+                              : isTrue({"CompressedData"})                       ? Encoding::Packed
+                                                                                 : Encoding::Raw;
+    const std::string* skip = find({"HeaderSize"});
+    pass(encoding, skip == nullptr ? 0 : NumberParser(*skip, source_.path).integer(), sink,
+         progress);
   }
 
 private:
-  [[noreturn]] void fail(const std::string& what, const char* advice = kExport) const {
-    throw Error(Status::Invalid, source_.path, what, advice);
-  }
-
   void readHeader() {
     NumberParser in(source_);
     while (in.remaining() > 0) {
@@ -73,17 +65,6 @@ private:
     fail("the header ends without 'ElementDataFile'", kCut);
   }
 
-  const std::string* find(std::initializer_list<const char*> names) const {
-    for (const char* name : names)
-      if (const auto found = fields_.find(name); found != fields_.end())
-        return &found->second;
-    return nullptr;
-  }
-  const std::string& needed(const char* name) const {
-    if (const std::string* value = find({name}))
-      return *value;
-    fail("the header has no '" + std::string(name) + "'");
-  }
   bool isTrue(std::initializer_list<const char*> names) const {
     const std::string* value = find(names);
     return value != nullptr && (lowerCase(*value) == "true" || *value == "1");
@@ -149,46 +130,7 @@ private:
     }
   }
 
-  // Points array_.bytes at the numbers, or returns those that the file does not hold as they are.
-  std::string decode() {
-    const std::uint64_t lengths[] = {array_.size[0], array_.size[1], array_.size[2],
-                                     array_.components};
-    const std::size_t each = bytesOf(array_.element);
-    if (const std::string* binary = find({"BinaryData"});
-        binary != nullptr && lowerCase(*binary) == "false") {
-      const std::uint64_t count = requireBytes(source_.path, data_.size(), 1, lengths);
-      std::vector<double> values(static_cast<std::size_t>(count));
-      NumberParser in(data_, source_.path);
-      for (double& value : values)
-        value = in.value();
-      array_.element = ElementType::Float64;
-      array_.swap = false;
-      return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
-    }
-    const double skip = numbers({"HeaderSize"}, 1, 0)[0];
-    if (isTrue({"CompressedData"})) {
-      const auto size = static_cast<std::size_t>(
-          requireBytes(source_.path, data_.size() * kBestDeflate, each, lengths));
-      std::string bytes = data_.substr(0, 2) == "\x1f\x8b" ? gunzip(data_, size, source_.path)
-                                                           : inflateZlib(data_, size, source_.path);
-      if (bytes.size() < size)
-        fail("ends before its last voxel", kCut);
-      return bytes;
-    }
-    const std::uint64_t size = requireBytes(source_.path, data_.size(), each, lengths);
-    const std::uint64_t room = data_.size() - size;
-    if (skip > static_cast<double>(room))
-      fail("ends before its last voxel", kCut);
-    array_.bytes =
-        data_.substr(static_cast<std::size_t>(skip < 0 ? room : static_cast<std::uint64_t>(skip)));
-    return {};
-  }
-
-  const Source& source_;
-  std::string_view data_;
-  std::map<std::string, std::string> fields_;
   std::size_t axes_ = 3;
-  StoredArray array_;
 };
 
 } // namespace

@@ -3,14 +3,12 @@
 // Format: "Definition of NRRD File Format", NRRD0001 to NRRD0005: lines of a header, an empty line,
 // the numbers; in a .nhdr file the numbers are in a file beside it.
 #include "tetvdb/core/Letters.h"
-#include "tetvdb/io/source/PathWithin.h"
-#include "tetvdb/io/text/GunzipBytes.h"
 #include "tetvdb/io/text/NumberParser.h"
 #include "tetvdb/io/volume/arrays/ArrayReaders.h"
+#include "tetvdb/io/volume/arrays/HeaderInput.h"
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <vector>
 
@@ -62,32 +60,28 @@ constexpr NrrdType kNrrdTypes[] = {{"signed char", ElementType::Int8},
                                    {"float", ElementType::Float32},
                                    {"double", ElementType::Float64}};
 
-class NrrdInput {
+class NrrdInput : HeaderInput {
 public:
-  explicit NrrdInput(const Source& source) : source_(source) { readHeader(); }
+  explicit NrrdInput(const Source& source) : HeaderInput(source) { readHeader(); }
 
   void read(const ArraySink& sink, Progress& progress) {
     setShape();
     setPlace();
-    std::optional<MappedFile> beside;
-    if (const std::string* name = find("data file", "datafile")) {
+    if (const std::string* name = find({"data file", "datafile"})) {
       if (name->find('%') != name->npos || lowerCase(name->substr(0, 4)) == "list")
         fail("its numbers are in several files, which are not joined", "save it as one .nrrd file");
-      beside.emplace(pathWithin(source_.path, *name));
-      data_ = beside->bytes();
+      useFile(*name);
     }
-    const std::string bytes = decode();
-    if (array_.bytes.data() == nullptr)
-      array_.bytes = bytes;
-    progress.check();
-    sink.array(array_);
+    if (const std::string* order = find({"endian"}))
+      array_.swap = lowerCase(*order) == "big";
+    if (const std::string* lines = find({"line skip", "lineskip"}))
+      skipLines(*lines);
+    const std::string* skip = find({"byte skip", "byteskip"});
+    pass(encoding(), skip == nullptr ? 0 : NumberParser(*skip, source_.path).integer(), sink,
+         progress);
   }
 
 private:
-  [[noreturn]] void fail(const std::string& what, const char* advice = kExport) const {
-    throw Error(Status::Invalid, source_.path, what, advice);
-  }
-
   void readHeader() {
     NumberParser in(source_);
     in.line(); // the magic
@@ -102,24 +96,12 @@ private:
         continue;
       const bool isKey = line.substr(colon, 2) == ":=";
       const std::string value(trimmed(line.substr(colon + (isKey ? 2 : 1))));
+      // Keys of key:=value have ':' before them.
       fields_[isKey ? ":" + std::string(line.substr(0, colon)) : lowerCase(line.substr(0, colon))] =
           value;
     }
-    if (find("data file", "datafile") == nullptr)
+    if (find({"data file", "datafile"}) == nullptr)
       fail("the header does not end", kCut);
-  }
-
-  // `other`: an older spelling.
-  const std::string* find(const char* name, const char* other = nullptr) const {
-    auto found = fields_.find(name);
-    if (found == fields_.end() && other != nullptr)
-      found = fields_.find(other);
-    return found == fields_.end() ? nullptr : &found->second;
-  }
-  const std::string& needed(const char* name) const {
-    if (const std::string* value = find(name))
-      return *value;
-    fail("the header has no '" + std::string(name) + "'");
   }
 
   std::vector<std::uint64_t> sizes() const {
@@ -158,12 +140,12 @@ private:
   // The axis of components among four: that without a direction in space, else a short one.
   std::size_t componentAxis(const std::vector<std::uint64_t>& sizes) const {
     constexpr std::uint64_t kMostComponents = 16;
-    if (const std::string* text = find("space directions"))
+    if (const std::string* text = find({"space directions"}))
       if (const auto all = vectors(*text); all.size() == 4)
         for (std::size_t i = 0; i < 4; ++i)
           if (!all[i])
             return i;
-    if (const std::string* text = find("kinds")) {
+    if (const std::string* text = find({"kinds"})) {
       NumberParser in(*text, source_.path);
       for (std::size_t i = 0; i < 4; ++i) {
         const std::string kind = lowerCase(in.word());
@@ -204,13 +186,13 @@ private:
   void setPlace() {
     array_.placed = true;
     ArrayTransform& m = array_.transform;
-    if (const std::string* text = find("space directions")) {
+    if (const std::string* text = find({"space directions"})) {
       const auto all = vectors(*text);
       for (std::size_t k = 0; k < 3; ++k)
         if (axes_[k] < all.size() && all[axes_[k]])
           for (std::size_t row = 0; row < 3; ++row)
             m[4 * row + k] = (*all[axes_[k]])[row];
-    } else if (const std::string* spacings = find("spacings")) {
+    } else if (const std::string* spacings = find({"spacings"})) {
       NumberParser in(*spacings, source_.path);
       std::vector<double> all;
       while (!in.atEnd() && all.size() < 16)
@@ -222,21 +204,21 @@ private:
       array_.placed = false;
     }
     Vec3d first{0, 0, 0};
-    if (const std::string* text = find("space origin"))
+    if (const std::string* text = find({"space origin"}))
       if (const auto all = vectors(*text); !all.empty() && all[0])
         first = *all[0];
-    if (const std::string* text = find(":voxel_origin")) { // of this program
+    if (const std::string* text = find({":voxel_origin"})) { // of this program
       NumberParser in(*text, source_.path);
       for (std::int32_t& low : array_.low)
         low = static_cast<std::int32_t>(
             std::clamp<std::int64_t>(in.integer(), INT32_MIN / 2, INT32_MAX / 2));
-      if (const std::string* name = find("content"))
+      if (const std::string* name = find({"content"}))
         array_.name = *name;
     }
     for (std::size_t row = 0; row < 3; ++row)
       for (std::size_t k = 0; k < 3; ++k)
         first[row] -= m[4 * row + k] * array_.low[k];
-    if (const std::string* text = find(":world_origin")) { // the same without rounding
+    if (const std::string* text = find({":world_origin"})) { // the same without rounding
       NumberParser in(*text, source_.path);
       for (double& number : first)
         number = in.real();
@@ -245,51 +227,15 @@ private:
       m[4 * row + 3] = first[row];
   }
 
-  // Points array_.bytes at the numbers; returns those that the file does not hold as they are.
-  std::string decode() {
-    const std::uint64_t lengths[] = {array_.size[0], array_.size[1], array_.size[2],
-                                     array_.components};
-    const std::string encoding = lowerCase(needed("encoding"));
-    if (const std::string* order = find("endian"))
-      array_.swap = lowerCase(*order) == "big";
-    if (const std::string* lines = find("line skip", "lineskip"))
-      skipLines(*lines);
-    std::int64_t skip = 0;
-    if (const std::string* bytes = find("byte skip", "byteskip"))
-      skip = NumberParser(*bytes, source_.path).integer();
-    const std::size_t each = bytesOf(array_.element);
-    if (encoding == "raw") {
-      const std::uint64_t size = requireBytes(source_.path, data_.size(), each, lengths);
-      const auto from = skip < 0 ? data_.size() - size : static_cast<std::uint64_t>(skip);
-      if (from > data_.size() - size)
-        fail("ends before its last voxel", kCut);
-      array_.bytes = data_.substr(static_cast<std::size_t>(from));
-      return {};
-    }
-    if (encoding == "gzip" || encoding == "gz") {
-      const std::uint64_t most = data_.size() * kBestDeflate;
-      const std::uint64_t size = requireBytes(source_.path, most, each, lengths);
-      if (skip > 0 && static_cast<std::uint64_t>(skip) > most)
-        fail("'byte skip' is not within the numbers");
-      const std::uint64_t end = skip < 0 ? most : size + static_cast<std::uint64_t>(skip);
-      std::string bytes = gunzip(data_, static_cast<std::size_t>(end), source_.path);
-      if (bytes.size() < (skip < 0 ? size : end))
-        fail("ends before its last voxel", kCut);
-      bytes.erase(0, skip < 0 ? bytes.size() - static_cast<std::size_t>(size)
-                              : static_cast<std::size_t>(skip));
-      return bytes;
-    }
-    if (encoding == "text" || encoding == "txt" || encoding == "ascii") {
-      const std::uint64_t numbers = requireBytes(source_.path, data_.size(), 1, lengths);
-      std::vector<double> values(static_cast<std::size_t>(numbers));
-      NumberParser in(data_, source_.path);
-      for (double& value : values)
-        value = in.value();
-      array_.element = ElementType::Float64;
-      array_.swap = false;
-      return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
-    }
-    fail("its encoding '" + encoding + "' is not read", "save it as raw or gzip");
+  Encoding encoding() const {
+    const std::string name = lowerCase(needed("encoding"));
+    if (name == "raw")
+      return Encoding::Raw;
+    if (name == "gzip" || name == "gz")
+      return Encoding::Packed;
+    if (name == "text" || name == "txt" || name == "ascii")
+      return Encoding::Text;
+    fail("its encoding '" + name + "' is not read", "save it as raw or gzip");
   }
 
   void skipLines(const std::string& text) {
@@ -300,11 +246,7 @@ private:
     data_ = data_.substr(in.position());
   }
 
-  const Source& source_;
-  std::string_view data_;
-  std::map<std::string, std::string> fields_; ///< keys of key:=value with ':' before them
-  std::array<std::size_t, 3> axes_{};         ///< of the file that are x, y and z
-  StoredArray array_;
+  std::array<std::size_t, 3> axes_{}; ///< of the file that are x, y and z
 };
 
 } // namespace

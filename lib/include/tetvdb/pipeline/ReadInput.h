@@ -62,7 +62,8 @@ TriangleMesh readSoup(const std::string& path, InputInfo* info, Report& report, 
 /// Warns ("not-numbers") of voxels that are NaN in arrays of the file `path`.
 void warnOfNaN(const Volume& volume, const std::string& path, Report& report);
 
-/// The same, and warns ("unread-grid") of each grid of the file that the reader does not understand.
+/// The same, and warns ("unread-grid") of each grid of the file that the reader does not
+/// understand.
 void warnOfReading(const Volume& volume, const std::string& path, Report& report);
 
 /// Reads a volume file with warnOfReading(), or returns a volume in `memory`. Throws as

@@ -48,8 +48,8 @@ const char* const kConvertExamples = R"(Examples:
   tetvdb convert scan.nrrd -o scan.vdb
   tetvdb convert predicted.npy -o predicted.vdb --voxel-size 0.5
       arrays as sparse grids; voxels of the value 0 are left out
-  tetvdb convert 'slices/*.tif' -o scan.vdb --voxel-size 0.01 --background 30
-      pages in the order of their numbers as one volume; gray 30 is left out
+  tetvdb convert 'slices/*.tif' -o scan.vdb --voxel-size 0.01
+      pages in the order of their numbers as one volume
   tetvdb convert smoke.vdb --tiles smoke --tile-size 512
       one .vdb file for every 512^3 voxels that hold any: smoke/tile_0.vdb and so on, and
       smoke/tiles.json

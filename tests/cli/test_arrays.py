@@ -372,6 +372,7 @@ class ArraysTest(program.CommandLineTest):
         self.refuse(3, "voxelize", "z.npy", "-o", "0.vdb", says=("is a volume", "tetvdb convert"))
         self.refuse(2, "convert", "z.vdb", "-o", "0.vdb", "--background", 1, says=("--background",))
         self.refuse(2, "convert", "z.npy", "-o", "0.vdb", "--axes", "yxz")
+        self.refuse(2, "convert", "z.npy", "-o", "0.nhdr")
         self.refuse(2, "convert", "z.npy", "-o", "0.vdb", "--background", "nan")
         self.write("b.raw", "numbers")
         self.refuse(3, "info", "b.raw", says=("b.raw.json",))

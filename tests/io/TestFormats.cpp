@@ -75,9 +75,11 @@ TEST(Formats, EveryReaderOfOurOwnHasAFuzzTarget) {
   std::size_t targets = 0;
   for (std::string name; names >> name;)
     ++targets;
-  // assimp reads scenes; a .vts is read by the reader of .vtu, a .pvtu as the files that it names.
+  // assimp reads scenes; a .vts is read by the reader of .vtu, a .nhdr by that of .nrrd, a .pvtu as
+  // the files that it names.
   const std::set<FileFormat> others{FileFormat::Gltf,    FileFormat::Fbx, FileFormat::Collada,
-                                    FileFormat::ThreeDs, FileFormat::Vts, FileFormat::Pvtu};
+                                    FileFormat::ThreeDs, FileFormat::Vts, FileFormat::Pvtu,
+                                    FileFormat::Nhdr};
   std::size_t readers = 0;
   for (const Format& format : formats())
     readers += (can(format, FormatUse::ReadCells) || can(format, FormatUse::ReadTriangles) ||

@@ -108,6 +108,10 @@ bool isVti(const FileStart& file) {
   return isVtkXmlOf(file, "ImageData");
 }
 
+bool isNhdr(const FileStart& file) {
+  return isNrrd(file) && file.ending == ".nhdr";
+}
+
 bool isNrrd(const FileStart& file) {
   return startsWith(file.head, "NRRD000");
 }

@@ -25,6 +25,7 @@ bool isNpy(const FileStart& file);
 bool isNpz(const FileStart& file);
 bool isVtkImage(const FileStart& file);
 bool isVti(const FileStart& file);
+bool isNhdr(const FileStart& file);
 bool isNrrd(const FileStart& file);
 bool isHdf5(const FileStart& file);
 bool isMetaImage(const FileStart& file);

@@ -275,9 +275,11 @@ std::vector<Format> makeTable() {
                             readVtkImage, 0, nullptr));
   all.push_back(denseArrays(FileFormat::Vti, "VTK .vti", ".vti", "VTK XML image data", isVti,
                             readVti, kSeveral | kCompressed, writeVti));
-  all.push_back(denseArrays(FileFormat::Nrrd, "NRRD", ".nrrd .nhdr",
-                            "One array, for ITK and 3D Slicer", isNrrd, readNrrd, kCompressed,
-                            writeNrrd));
+  all.push_back(denseArrays(FileFormat::Nhdr, "NRRD header", ".nhdr",
+                            "One array, whose numbers are in another file", isNhdr, readNrrd, 0,
+                            nullptr));
+  all.push_back(denseArrays(FileFormat::Nrrd, "NRRD", ".nrrd", "One array, for ITK and 3D Slicer",
+                            isNrrd, readNrrd, kCompressed, writeNrrd));
   all.push_back(denseArrays(FileFormat::MetaImage, "MetaImage", ".mha .mhd", "One array, of ITK",
                             isMetaImage, readMetaImage, 0, nullptr));
   all.push_back(denseArrays(FileFormat::Nifti, "NIfTI", ".nii",

@@ -108,12 +108,12 @@ TEST_F(ReadArrays, SamplesOfEveryFormat) {
     EXPECT_EQ(infos[0].transform.origin, hasPlace ? Vec3d({1, 2, 3}) : Vec3d({0, 0, 0}));
     const bool hasSize = hasPlace || file.path().filename() == "imagej.tif";
     EXPECT_EQ(infos[0].transform.voxelSize, hasSize ? Vec3d({0.5, 1, 2}) : Vec3d({1, 1, 1}));
-    EXPECT_EQ(hasPlace, format == FileFormat::Nrrd || format == FileFormat::Nifti ||
-                            format == FileFormat::MetaImage || format == FileFormat::Vti ||
-                            format == FileFormat::VtkImage);
+    EXPECT_EQ(hasPlace, format == FileFormat::Nrrd || format == FileFormat::Nhdr ||
+                            format == FileFormat::Nifti || format == FileFormat::MetaImage ||
+                            format == FileFormat::Vti || format == FileFormat::VtkImage);
   }
   // .raw and .binvox files have no sample: tests/cli/test_arrays.py writes them.
-  EXPECT_EQ(formats.size(), 8U);
+  EXPECT_EQ(formats.size(), 9U);
 }
 
 TEST_F(ReadArrays, TypesOfGridsFollowThoseOfNumbers) {

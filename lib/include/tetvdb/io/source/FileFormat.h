@@ -51,6 +51,7 @@ enum class FileFormat : std::uint8_t {
   Vti,
   VtkImage,
   Nrrd,
+  Nhdr, ///< NRRD's header, apart from the numbers
   MetaImage,
   Nifti,
   Hdf5,

@@ -30,6 +30,12 @@ struct IsolationLimits {
   unsigned seconds = 0; ///< of processor time; 0: no limit
 };
 
+/// For reading files of so many bytes, which may be compressed.
+inline IsolationLimits limitsForBytes(double bytes) {
+  return {(std::uint64_t(2) << 30) + static_cast<std::uint64_t>(40 * bytes),
+          60 + static_cast<unsigned>(bytes / 5e6 < 1e6 ? bytes / 5e6 : 1e6)};
+}
+
 /// Arrays of numbers of any purpose.
 using NumberArrays = std::vector<Attribute::Values>;
 

@@ -4,7 +4,6 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/source/Advice.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <utility>
@@ -31,9 +30,7 @@ NumberArrays readHdf5(const std::vector<Hdf5Dataset>& datasets, const std::strin
     if (seen.emplace(dataset.file, true).second)
       bytes += static_cast<double>(fs::file_size(dataset.file, error));
   }
-  IsolationLimits limits;
-  limits.memory = (std::uint64_t(2) << 30) + static_cast<std::uint64_t>(40 * bytes);
-  limits.seconds = 60 + static_cast<unsigned>(std::min(bytes / 5e6, 1e6));
+  const IsolationLimits limits = limitsForBytes(bytes);
   const auto read = [&](Report&, Progress& childProgress) {
     std::map<std::string, Hdf5File> files;
     NumberArrays arrays;

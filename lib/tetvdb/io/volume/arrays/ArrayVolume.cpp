@@ -4,7 +4,6 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/volume/arrays/ArrayGrid.h"
 
-#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <utility>

@@ -7,7 +7,7 @@
 #include "tetvdb/io/volume/arrays/NpyArray.h"
 
 #include <algorithm>
-#include <limits>
+#include <cstring>
 #include <utility>
 #include <variant>
 #include <vector>

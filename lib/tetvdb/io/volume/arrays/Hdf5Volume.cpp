@@ -4,7 +4,6 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/source/Hdf5File.h"
 
-#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -77,9 +76,7 @@ private:
 
 NumberArrays readHdf5Volume(const Source& source, Report& report, Progress& progress) {
   const auto bytes = static_cast<double>(source.bytes.size());
-  IsolationLimits limits;
-  limits.memory = (std::uint64_t(2) << 30) + static_cast<std::uint64_t>(40 * bytes);
-  limits.seconds = 60 + static_cast<unsigned>(std::min(bytes / 5e6, 1e6));
+  const IsolationLimits limits = limitsForBytes(bytes);
   const auto read = [&](Report&, Progress& childProgress) {
     return VolumeInHdf5(source, childProgress).read();
   };

@@ -12,8 +12,6 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::uint64_t kMostTrailing = 4, kMostLeading = 16; // components
-
 /// The text after a key and its colon.
 std::string_view valueOf(std::string_view dictionary, std::string_view key,
                          const std::string& where) {
@@ -128,13 +126,13 @@ bool setVoxels(const NpyArray& from, StoredArray& array) {
     step *= from.shape[i];
   }
   const auto hasComponentsLast = [&] {
-    return axes.size() == 4 && axes[3].size > 1 && axes[3].size <= kMostTrailing;
+    return axes.size() == 4 && axes[3].size > 1 && axes[3].size <= kMostFastComponents;
   };
   while (axes.size() > 3 && axes[0].size == 1 && !hasComponentsLast())
     axes.erase(axes.begin());
   if (axes.size() == 4) {
-    const bool isLast = axes[3].size <= kMostTrailing;
-    if (!isLast && axes[0].size > kMostLeading)
+    const bool isLast = axes[3].size <= kMostFastComponents;
+    if (!isLast && axes[0].size > kMostSlowComponents)
       return false;
     const auto component = isLast ? axes.end() - 1 : axes.begin();
     array.components = component->size;

@@ -8,7 +8,6 @@
 #include "tetvdb/io/volume/arrays/ArrayReaders.h"
 #include "tetvdb/io/volume/arrays/NpyArray.h"
 
-#include <algorithm>
 #include <optional>
 
 namespace tetvdb {

@@ -139,7 +139,6 @@ private:
 
   // The axis of components among four: that without a direction in space, else a short one.
   std::size_t componentAxis(const std::vector<std::uint64_t>& sizes) const {
-    constexpr std::uint64_t kMostComponents = 16;
     if (const std::string* text = find({"space directions"}))
       if (const auto all = vectors(*text); all.size() == 4)
         for (std::size_t i = 0; i < 4; ++i)
@@ -153,7 +152,7 @@ private:
           return i;
       }
     }
-    return sizes[0] <= 4 || sizes[3] > kMostComponents ? 0 : 3;
+    return sizes[0] <= kMostFastComponents || sizes[3] > kMostSlowComponents ? 0 : 3;
   }
 
   void setShape() {

@@ -22,6 +22,10 @@ namespace tetvdb {
 using ArrayTransform = std::array<double, 16>;
 constexpr ArrayTransform kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
+/// The longest axes that are taken for components where a file does not say so: that of the fastest
+/// index, and that of the slowest.
+constexpr std::uint64_t kMostFastComponents = 4, kMostSlowComponents = 16;
+
 /// The arrays' axes are x, y and z of index space.
 struct StoredArray {
   std::string name; ///< empty: the file has none

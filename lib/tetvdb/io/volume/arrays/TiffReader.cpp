@@ -10,9 +10,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstring>
-#include <limits>
 #include <map>
-#include <optional>
 #include <tbb/parallel_for.h>
 #include <vector>
 

@@ -5,7 +5,6 @@
 #include "tetvdb/io/volume/arrays/ArrayReaders.h"
 #include "tetvdb/io/volume/arrays/VtkElement.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace tetvdb {

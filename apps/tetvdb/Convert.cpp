@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ArrayFlags.h"
 #include "Commands.h"
+#include "FrameOptions.h"
 #include "JobOptions.h"
+#include "JobReport.h"
 #include "JsonReport.h"
 #include "NumberText.h"
 #include "ProcessLimits.h"
@@ -11,6 +13,7 @@
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/pipeline/ConvertJob.h"
+#include "tetvdb/pipeline/ConvertSequence.h"
 #include "tetvdb/pipeline/FindFrames.h"
 
 #include <cmath>
@@ -23,6 +26,7 @@ using Json = nlohmann::ordered_json;
 
 struct ConvertArguments : JobOptions {
   std::vector<std::string> inputs;
+  FrameTexts frames;
   std::string output;
   std::vector<std::string> grids;
   ArrayTexts arrays;
@@ -50,6 +54,10 @@ const char* const kConvertExamples = R"(Examples:
       arrays as sparse grids; voxels of the value 0 are left out
   tetvdb convert 'slices/*.tif' -o scan.vdb --voxel-size 0.01
       pages in the order of their numbers as one volume
+  tetvdb convert 'run_*.vti' -o run.vdb
+  tetvdb convert 'smoke.*.vdb' -o smoke.npz --frames 1:100
+  tetvdb convert run.exo -o run.vtu --frames all
+      a sequence into run.0001.vdb, run.0002.vdb and so on
   tetvdb convert smoke.vdb --tiles smoke --tile-size 512
       one .vdb file for every 512^3 voxels that hold any: smoke/tile_0.vdb and so on, and
       smoke/tiles.json
@@ -59,20 +67,26 @@ const char* const kConvertExamples = R"(Examples:
 Meshes become volumes by 'tetvdb voxelize', triangles tetrahedra by 'tetvdb tetrahedralize'. Arrays
 are dense: 1000 voxels a side take 4 GB a grid of floats. docs/formats.md has the order of axes.)";
 
-// The inputs, patterns replaced, in the order of their numbers.
-std::vector<std::string> filesIn(const ConvertArguments& options, Session& session) {
-  if (options.inputs.size() == 1 && !isPattern(options.inputs.front()))
-    return options.inputs;
+// Whether the inputs are the pages of one stack.
+bool arePages(const ConvertArguments& options) {
+  return options.frames.frames.empty() &&
+         formatForEnding(options.inputs.front(), FormatUse::ReadArrays) ==
+             &formatOf(FileFormat::Tiff) &&
+         (options.inputs.size() > 1 || isPattern(options.inputs.front()));
+}
+
+// In the order of their numbers, where these are all that differs.
+std::vector<std::string> pagesOf(const ConvertArguments& options, Session& session) {
   std::vector<std::string> files;
-  for (const Frame& frame :
+  for (const Frame& page :
        findFrames(options.inputs, {}, /*allowGaps=*/true, session.report, session.progress))
-    files.insert(files.end(), frame.inputs.begin(), frame.inputs.end());
+    files.push_back(page.inputs.front());
   return files.empty() ? options.inputs : files;
 }
 
-ConvertJob makeJob(const ConvertArguments& options, Session& session) {
+// Of one file, or of the first frame.
+ConvertJob makeJob(const ConvertArguments& options, const std::vector<std::string>& files) {
   ConvertJob job;
-  const std::vector<std::string> files = filesIn(options, session);
   job.input = files.front();
   job.output = options.output;
   setTiles(options.tiles, job.output, job.tileSize, job.levels);
@@ -88,8 +102,8 @@ ConvertJob makeJob(const ConvertArguments& options, Session& session) {
   job.arrayInput.pages.assign(files.begin() + 1, files.end());
   if (files.size() > 1 && volumeFormatOf(job.input) != FileFormat::Tiff)
     throw Error(Status::Usage, files[1],
-                "is a second file, and only pages of .tif files are joined",
-                "convert one file at a time");
+                "is a second file, and the names differ in more than a number",
+                "convert one file at a time, the frames of a sequence, or the pages of a .tif");
   if (!std::isfinite(options.simplify) || options.simplify < 0)
     throw Error(Status::Usage, "--simplify", "must be a number of voxels, zero or more");
   job.simplify = options.simplify;
@@ -98,7 +112,7 @@ ConvertJob makeJob(const ConvertArguments& options, Session& session) {
   return job;
 }
 
-std::string summaryOf(const ConvertResult& result) {
+std::string textOf(const ConvertResult& result) {
   std::string text;
   for (const OutputInfo& output : result.outputs) {
     text += fmt::format("{}: {}", oneLine(output.path), bytesText(output.bytes));
@@ -122,10 +136,27 @@ void runConvert(const ConvertArguments& options, Session& session) {
                       {"stages", nullptr},
                       {"grids", Json::array()},
                       {"output", Json::array()}};
-  const ConvertJob job = makeJob(options, session);
+  std::vector<Frame> frames;
+  std::vector<std::string> files = options.inputs;
+  if (arePages(options)) {
+    files = pagesOf(options, session);
+  } else {
+    frames = framesOf(options.inputs, options.frames, session.report, session.progress);
+    if (!frames.empty())
+      files = {frames.front().inputs.front()};
+  }
+  const ConvertJob job = makeJob(options, files);
   session.sections["threads"] = job.threads;
   limitProcess(options, session.progress);
   const AllowThreads allowed(job.threads);
+  if (!frames.empty()) {
+    const std::vector<FrameResult> results =
+        convertSequence(job, frames, session.report, session.progress);
+    addFrames(results, session.sections);
+    session.text = framesText(results);
+    session.textIsSummary = true;
+    return;
+  }
   const ConvertResult result = run(job, session.report, session.progress);
   session.sections["input"][0] = inputSection(job.input, result.source, &result.input);
   session.sections["grids"] = toJson(result.grids);
@@ -139,7 +170,7 @@ void runConvert(const ConvertArguments& options, Session& session) {
   if (result.tets > 0)
     outputs[0]["tets"] = result.tets;
   session.sections["output"] = std::move(outputs);
-  session.text = summaryOf(result);
+  session.text = textOf(result);
   session.textIsSummary = true;
 }
 
@@ -150,10 +181,12 @@ Command addConvert(CLI::App& program) {
       "convert", "Write a mesh or a volume in another format, as arrays, or as its surface");
   auto options = std::make_shared<ConvertArguments>();
   command
-      ->add_option("IN", options->inputs,
-                   "A mesh of triangles or tets, a volume, or dense arrays: " +
-                       endingList(FormatUse::ReadArrays) +
-                       "; several .tif files, or a pattern of them, as the pages of one stack")
+      ->add_option(
+          "IN", options->inputs,
+          "A mesh of triangles or tets, a volume, or dense arrays: " +
+              endingList(FormatUse::ReadArrays) +
+              "; several .tif files, or a pattern of them, as the pages of one stack; a sequence: "
+              ".pvd, 'run_*.vti', or files whose names differ in one number")
       ->required()
       ->type_name("");
   command
@@ -172,6 +205,7 @@ Command addConvert(CLI::App& program) {
       ->type_name("NAME")
       ->delimiter(',')
       ->allow_extra_args(false);
+  addFrameOptions(*command, options->frames);
   addTileOptions(*command, options->tiles);
   addArrayFlags(*command, options->arrays);
   addArrayInputOptions(*command, options->arrayInput);
@@ -186,6 +220,10 @@ Command addConvert(CLI::App& program) {
   result.run = [options](Session& session) { runConvert(*options, session); };
   result.files = [options] {
     FileNames names{options->inputs, arrayFiles(options->output)};
+    if (!arePages(*options))
+      for (const std::string& frame : frameNames(options->inputs, options->output, options->frames))
+        for (std::string& path : arrayFiles(frame))
+          names.written.push_back(std::move(path));
     if (!options->tiles.folder.empty())
       names.written.push_back(options->tiles.folder + "/tiles.json");
     return names;

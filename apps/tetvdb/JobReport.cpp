@@ -163,11 +163,10 @@ Json regionsOf(const TetrahedralizeResult& result) {
 
 } // namespace
 
-void addSections(const SequenceResult& result, Json& sections) {
-  sections["transform"] = worldFromIndex(result.transform);
+void addFrames(const std::vector<FrameResult>& results, Json& sections) {
   Json frames = Json::array(), outputs = Json::array();
-  for (std::size_t i = 0; i < result.frames.size(); ++i) {
-    const FrameResult& frame = result.frames[i];
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const FrameResult& frame = results[i];
     frames.push_back({{"frame", i + 1},
                       {"input", frame.frame.inputs},
                       {"time", frame.frame.time ? Json(*frame.frame.time) : Json()},
@@ -177,13 +176,18 @@ void addSections(const SequenceResult& result, Json& sections) {
     outputs.push_back({{"path", frame.output.path}, {"bytes", frame.output.bytes}});
   }
   sections["frames"] = std::move(frames);
-  sections["frames_at_once"] = result.atOnce;
   sections["output"] = std::move(outputs);
-  for (const FrameResult& frame : result.frames)
+  for (const FrameResult& frame : results)
     if (!frame.grids.empty()) {
       sections["grids"] = toJson(frame.grids);
       break;
     }
+}
+
+void addSections(const SequenceResult& result, Json& sections) {
+  sections["transform"] = worldFromIndex(result.transform);
+  addFrames(result.frames, sections);
+  sections["frames_at_once"] = result.atOnce;
 }
 
 int threadsOf(int asked) {

@@ -64,8 +64,9 @@ nlohmann::ordered_json sectionsOf(const RepairJob& job, const RepairResult& resu
                                   TextOf textOf = plainText);
 nlohmann::ordered_json sectionsOf(const RenderJob& job, const RenderResult& result);
 nlohmann::ordered_json sectionsOf(const SliceJob& job, const SliceResult& result);
-/// "transform", "frames", "frames_at_once", "output" and, of the first frame that was made,
-/// "grids" of a sequence.
+/// "frames", "output" and, of the first frame that was made, "grids" of a sequence.
+void addFrames(const std::vector<FrameResult>& results, nlohmann::ordered_json& sections);
+/// The same, with "transform" and "frames_at_once".
 void addSections(const SequenceResult& result, nlohmann::ordered_json& sections);
 
 /// The number of threads that a job uses if it asks for that many; 0: as many as the arena has.

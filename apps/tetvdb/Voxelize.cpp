@@ -372,7 +372,9 @@ void runPlan(const VoxelizeArguments& options, Session& session) {
 }
 
 FileNames fileNamesOf(const VoxelizeArguments& options) {
-  std::vector<std::string> written = frameNames(options.inputs, options.output, options.sequence);
+  std::vector<std::string> written;
+  if (!options.sequence.unite)
+    written = frameNames(options.inputs, options.output, options.sequence);
   if (!options.shard.empty())
     written = {shardPath(options.output, parseShard(options.shard))};
   for (const std::string& path : arrayFiles(options.output))

@@ -4,8 +4,6 @@
 #include "Commands.h"
 #include "JobReport.h"
 #include "JsonReport.h"
-#include "NumberText.h"
-#include "ParseQuantities.h"
 #include "ProgressDisplay.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/pipeline/PlannedStages.h"
@@ -13,8 +11,6 @@
 #include "tetvdb/pipeline/SequenceJob.h"
 
 #include <algorithm>
-#include <fmt/format.h>
-#include <optional>
 #include <utility>
 
 namespace tetvdb::cli {
@@ -31,36 +27,11 @@ bool numbersMaterials(const VoxelizeJob& job) {
 } // namespace
 
 void addSequenceOptions(CLI::App& command, SequenceTexts& texts) {
-  command
-      .add_option(
-          "--frames", texts.frames,
-          "Frames of a sequence to take, counted from 1; makes a file that holds several steps one")
-      ->type_name("all|FIRST:LAST[:STRIDE]")
-      ->check(notEmpty());
-  command.add_flag("--allow-gaps", texts.allowGaps,
-                   "Take a pattern's files although numbers are missing");
+  addFrameOptions(command, texts);
   command.add_flag(
       "--union", texts.unite,
       "Lay numbered files, or a pattern's, together into one volume: they are no frames");
   command.add_flag("--again", texts.again, "Make frames that an earlier run has finished again");
-}
-
-std::vector<std::string> frameNames(const std::vector<std::string>& inputs,
-                                    const std::string& output, const SequenceTexts& texts) {
-  std::vector<std::string> names;
-  try {
-    Report report;
-    Progress progress;
-    const std::size_t count = texts.unite
-                                  ? 0
-                                  : findFrames(inputs, parseFrames("--frames", texts.frames),
-                                               texts.allowGaps, report, progress)
-                                        .size();
-    for (std::size_t i = 1; i <= count && !output.empty(); ++i)
-      names.push_back(frameName(output, i, count));
-  } catch (const Error&) { // the job says it
-  }
-  return names;
 }
 
 bool runAsSequence(VoxelizeJob& job, const SequenceTexts& texts, Session& session) {
@@ -73,8 +44,7 @@ bool runAsSequence(VoxelizeJob& job, const SequenceTexts& texts, Session& sessio
     job.inputs = filesOf(job.inputs);
     return false;
   }
-  const std::vector<Frame> frames = findFrames(job.inputs, parseFrames("--frames", texts.frames),
-                                               texts.allowGaps, session.report, session.progress);
+  const std::vector<Frame> frames = framesOf(job.inputs, texts, session.report, session.progress);
   if (frames.empty())
     return false;
   if (!job.shard.isWhole() || job.plan > 0)
@@ -90,16 +60,7 @@ bool runAsSequence(VoxelizeJob& job, const SequenceTexts& texts, Session& sessio
   session.estimate.plan(plannedSequence(), secondsNow());
   const SequenceResult result = runSequence(job, frames, options, session.report, session.progress);
   addSections(result, session.sections);
-  std::uint64_t bytes = 0;
-  std::size_t skipped = 0;
-  for (const FrameResult& frame : result.frames) {
-    bytes += frame.output.bytes;
-    skipped += frame.skipped ? 1 : 0;
-  }
-  session.text = fmt::format("{} to {}: {} frame{}, {}", oneLine(result.frames.front().output.path),
-                             oneLine(result.frames.back().output.path), result.frames.size(),
-                             result.frames.size() == 1 ? "" : "s", bytesText(bytes));
-  session.text += skipped == 0 ? "\n" : fmt::format(", {} of them there already\n", skipped);
+  session.text = framesText(result.frames);
   if (job.inputs.size() > 1)
     session.text +=
         "  numbered files are the frames of a sequence; --union makes one volume of them\n";

@@ -367,6 +367,15 @@ class ArraysTest(program.CommandLineTest):
             self.assertEqual(self.hash_of("t.vdb"), self.hash_of("s.vdb"))
             self.refuse(2, "convert", "s_1.tif", "z.npy", "-o", "0.vdb", says=("z.npy", ".tif"))
             self.refuse(2, "convert", "z.npy", "s_1.tif", "-o", "0.vdb", says=("second file",))
+        for kind in "i1 u1 i2 u2 i4 u4 f2 f4 f8".split():  # a list of voxels
+            for order in "<>":
+                one = np.array([[1, 2, 3]], np.int32)
+                np.savez(self.path("l.npz"), **{"d.coordinates": one, "d.values": np.full(1, 3, order + kind),
+                                                "d.background": np.array(2.5 if kind[0] == "f" else 7, order + kind)})
+                self.succeed("convert", "l.npz", "-o", "l.vdb")
+                self.succeed("convert", "l.vdb", "-o", "k.npz", "--sparse")
+                with np.load(self.path("k.npz")) as read:
+                    self.assertEqual(read["d.background"], 2.5 if kind[0] == "f" else 7, kind)
         np.save(self.path("0.npy"), np.zeros((4, 4, 4)))
         self.refuse(3, "convert", "0.npy", "-o", "0.vdb", says=("background",))
         self.refuse(3, "voxelize", "z.npy", "-o", "0.vdb", says=("is a volume", "tetvdb convert"))

@@ -114,6 +114,7 @@ class Schemas(CommandLineTest):
         check("convert", "ball.off", "-o", "ball.stl")
         check("convert", "cube.msh", "-o", "cube.vtu")
         check("convert", "ball.vdb", "-o", "ball.npz")
+        check("convert", "run.0*.vdb", "-o", "run.npz")
         check("prepare", "ball.off", "-o", "hollow.stl", "--hollow", 0.5, "--voxel-size", 0.25)
         check("slice", "ball.off", "-o", "ball.sl1", *PRINTER)
         check("slice", "cube.msh", "-o", "cube", *PRINTER, "--materials")

@@ -82,20 +82,6 @@ std::optional<VoxelBox> fitBox(const Volume& volume) {
   return VoxelBox{{0, 0, 0}, {side - 1, side - 1, side - 1}};
 }
 
-VoxelBox activeBox(const std::string& path, const Volume& volume) {
-  openvdb::CoordBBox all;
-  for (const auto& grid : volume.grids().all) {
-    const openvdb::CoordBBox own = grid->evalActiveVoxelBoundingBox();
-    if (!own.empty())
-      all.expand(own);
-  }
-  if (all.empty())
-    throw Error(Status::Invalid, path, "the grids have no active voxel, and so the array no size",
-                "give its voxels with `box`");
-  return {{all.min().x(), all.min().y(), all.min().z()},
-          {all.max().x(), all.max().y(), all.max().z()}};
-}
-
 // Names that files and programs accept, distinct, and not in `taken`.
 std::vector<std::string> namesOf(const openvdb::GridPtrVec& grids) {
   std::set<std::string> taken{"transform", "origin", "voxel_size", "box"};
@@ -128,8 +114,10 @@ ArrayContent contentOf(const std::string& path, const Volume& volume, const Arra
                               "share theirs",
                               grids.front()->getName(), grid->getName()),
                   "choose one with `grid`");
-  const std::optional<VoxelBox> fit = fitBox(volume);
-  content.box = options.box ? *options.box : fit ? *fit : activeBox(path, volume);
+  content.box = options.box ? *options.box : arrayBoxOf(volume);
+  if (content.box.empty())
+    throw Error(Status::Invalid, path, "the grids have no active voxel, and so the array no size",
+                "give its voxels with `box`");
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (content.box.low[axis] < -kFarthestVoxel || content.box.high[axis] > kFarthestVoxel)
       throw Error(
@@ -175,6 +163,21 @@ std::vector<std::string> arrayFiles(const std::string& path) {
   if (format != nullptr && format->id == FileFormat::Raw)
     return {path, path + ".json"};
   return {path};
+}
+
+VoxelBox arrayBoxOf(const Volume& volume) {
+  if (const std::optional<VoxelBox> fit = fitBox(volume))
+    return *fit;
+  openvdb::CoordBBox all;
+  for (const auto& grid : volume.grids().all) {
+    const openvdb::CoordBBox own = grid->evalActiveVoxelBoundingBox();
+    if (!own.empty())
+      all.expand(own);
+  }
+  if (all.empty())
+    return {};
+  return {{all.min().x(), all.min().y(), all.min().z()},
+          {all.max().x(), all.max().y(), all.max().z()}};
 }
 
 void checkArrayOptions(const std::string& path, const ArrayOptions& options, std::size_t grids) {

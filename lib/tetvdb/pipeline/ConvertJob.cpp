@@ -10,6 +10,7 @@
 #include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/VolumeStream.h"
+#include "tetvdb/pipeline/ConvertInput.h"
 #include "tetvdb/pipeline/VoxelizeOutput.h"
 #include "tetvdb/surface/ExtractSurface.h"
 #include "tetvdb/surface/TetSurface.h"
@@ -31,6 +32,23 @@ namespace {
 // is mapped of files; of each thread, pieces that are made ahead of their turn.
 constexpr std::size_t kLeastBytes = std::size_t(64) << 20, kLeastBytesOfThread = std::size_t(8)
                                                                                  << 20;
+
+bool readsArrays(const std::string& path) {
+  return can(formatOf(volumeFormatOf(path)), FormatUse::ReadArrays);
+}
+
+void choose(const ConvertJob& job, Volume& volume) {
+  if (job.grids.empty())
+    return;
+  openvdb::GridPtrVec& all = volume.grids().all;
+  std::vector<std::string> names;
+  for (const auto& grid : all)
+    names.push_back(grid->getName());
+  openvdb::GridPtrVec chosen;
+  for (const std::size_t g : chooseGrids(names, job.grids, job.input))
+    chosen.push_back(all[g]);
+  all = std::move(chosen);
+}
 
 class Conversion {
 public:
@@ -120,6 +138,7 @@ private:
     result_.source = SolidSource::Tets;
     ReadOptions options;
     options.attributes = toTets_;
+    options.timeStep = job_.timeStep;
     const TetMesh mesh = stage("read", [&] {
       return readTets(job_.input, options, {}, &result_.input, report_, progress_);
     });
@@ -146,22 +165,8 @@ private:
       });
       return;
     }
-    const bool fromArrays = can(formatOf(volumeFormatOf(job_.input)), FormatUse::ReadArrays);
-    Volume volume = stage("read", [&] {
-      if (!fromArrays)
-        return readVolumeInput(job_.input, report_, progress_);
-      Volume found = readArrays(job_.input, job_.arrayInput, progress_);
-      warnOfReading(found, job_.input, report_);
-      return found;
-    });
-    choose(volume);
-    const openvdb::GridPtrVec& grids = volume.grids().all;
-    if (fromArrays &&
-        std::all_of(grids.begin(), grids.end(), [](const auto& grid) { return grid->empty(); }))
-      throw Error(Status::Invalid, job_.input,
-                  "has no voxel with another value than the background",
-                  "give another `background`");
-    if (!volume.unread.empty() && job_.grids.empty() && !fromArrays)
+    Volume volume = stage("read", [&] { return readConverted(job_, report_, progress_); });
+    if (!volume.unread.empty() && job_.grids.empty() && !readsArrays(job_.input))
       report_.partial = true;
     if (toTriangles_) {
       ExtractOptions options;
@@ -216,19 +221,6 @@ private:
     result_.outputs.push_back({job_.output, files.bytes});
   }
 
-  void choose(Volume& volume) const {
-    if (job_.grids.empty())
-      return;
-    openvdb::GridPtrVec& all = volume.grids().all;
-    std::vector<std::string> names;
-    for (const auto& grid : all)
-      names.push_back(grid->getName());
-    openvdb::GridPtrVec chosen;
-    for (const std::size_t g : chooseGrids(names, job_.grids, job_.input))
-      chosen.push_back(all[g]);
-    all = std::move(chosen);
-  }
-
   void write(const TriangleMesh& mesh) {
     result_.vertices = mesh.points.size();
     result_.triangles = mesh.triangleCount();
@@ -243,6 +235,23 @@ private:
 };
 
 } // namespace
+
+Volume readConverted(const ConvertJob& job, Report& report, Progress& progress) {
+  if (!readsArrays(job.input)) {
+    Volume volume = readVolumeInput(job.input, report, progress);
+    choose(job, volume);
+    return volume;
+  }
+  Volume volume = readArrays(job.input, job.arrayInput, progress);
+  warnOfReading(volume, job.input, report);
+  choose(job, volume);
+  const openvdb::GridPtrVec& grids = volume.grids().all;
+  if (!job.allowEmpty &&
+      std::all_of(grids.begin(), grids.end(), [](const auto& grid) { return grid->empty(); }))
+    throw Error(Status::Invalid, job.input, "has no voxel with another value than the background",
+                "give another `background`");
+  return volume;
+}
 
 ConvertResult run(const ConvertJob& job, Report& report, Progress& progress) {
   return inArena(job.threads, [&] { return Conversion(job, report, progress).run(); });

@@ -10,20 +10,17 @@
 #include "tetvdb/fields/SmoothCells.h"
 #include "tetvdb/pipeline/ArrayOutput.h"
 #include "tetvdb/pipeline/FrameMark.h"
+#include "tetvdb/pipeline/FrameRun.h"
 #include "tetvdb/pipeline/MergeMeshes.h"
 #include "tetvdb/pipeline/SequenceGrids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
 
 #include <algorithm>
 #include <atomic>
-#include <exception>
 #include <filesystem>
 #include <fmt/format.h>
-#include <map>
-#include <mutex>
 #include <optional>
 #include <tbb/task_arena.h>
-#include <thread>
 #include <utility>
 
 namespace tetvdb {
@@ -35,38 +32,6 @@ struct Look {
   std::vector<std::string> names; ///< of the grids made of arrays
   std::vector<ValueRange> ranges; ///< of the same
 };
-
-// Progress of one frame: it stops when the whole job stops.
-class FrameProgress {
-public:
-  explicit FrameProgress(Progress& whole) {
-    own_.setDeadline(whole.deadline());
-    own_.onReport([this, &whole](std::string_view, double) {
-      if (whole.cancelled())
-        own_.cancel();
-    });
-  }
-  Progress& progress() { return own_; }
-
-private:
-  Progress own_;
-};
-
-std::string nameOf(const Frame& frame, std::size_t i) {
-  std::string name = fmt::format("frame {} ({}", i + 1, frame.inputs.front());
-  if (frame.timeStep >= 0)
-    name += fmt::format(", step {}", frame.timeStep + 1);
-  return name + ")";
-}
-
-Error inFrame(const Error& error, const Frame& frame, std::size_t i) {
-  if (error.status() == Status::Cancelled)
-    return Error(Status::Cancelled, "", "cancelled or out of time",
-                 "frames that are finished are kept");
-  // An option that is valid for the first frame is valid for the others, unless they differ.
-  const bool changed = i > 0 && error.status() == Status::Usage;
-  return Error(changed ? Status::Invalid : error.status(), nameOf(frame, i), error.what());
-}
 
 bool needsTwoPassesOfArrays(const VoxelizeJob& job) {
   return !job.fields.empty();
@@ -110,42 +75,6 @@ std::string listed(const std::vector<std::string>& names) {
   for (const std::string& name : names)
     text += (text.empty() ? "" : ", ") + name;
   return text.empty() ? "none" : text;
-}
-
-// Calls work(i) for i in [begin, end) from `workers` threads, each with its share of the job's
-// threads; the first failure ends all, and its exception is thrown.
-template <typename Work>
-void inParallel(std::size_t begin, std::size_t end, std::size_t workers, const Work& work) {
-  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  workers = std::max<std::size_t>(1, std::min({workers, end - begin, threads}));
-  std::atomic<std::size_t> next{begin};
-  std::atomic<bool> failed{false};
-  std::mutex mutex;
-  std::exception_ptr failure;
-  std::size_t failedAt = end;
-  const auto loop = [&] {
-    tbb::task_arena arena(static_cast<int>((threads + workers - 1) / workers));
-    for (std::size_t i = next++; i < end && !failed; i = next++) {
-      try {
-        arena.execute([&] { work(i); });
-      } catch (...) {
-        const std::lock_guard<std::mutex> lock(mutex);
-        if (i < failedAt) {
-          failedAt = i;
-          failure = std::current_exception();
-        }
-        failed = true;
-      }
-    }
-  };
-  std::vector<std::thread> others;
-  for (std::size_t w = 1; w < workers; ++w)
-    others.emplace_back(loop);
-  loop();
-  for (std::thread& other : others)
-    other.join();
-  if (failure)
-    std::rethrow_exception(failure);
 }
 
 class SequenceRun {
@@ -218,13 +147,13 @@ private:
     };
     look(0);
     if (frames_.size() > 1)
-      inParallel(1, frames_.size(), framesAtOnce(), look);
+      forFrames(1, frames_.size(), framesAtOnce(job_.maxMemory), look);
 
     WorldBox box;
     for (std::size_t i = 0; i < looks_.size(); ++i) {
       box.add(looks_[i].box);
       if (looks_[i].names != looks_.front().names)
-        throw Error(Status::Invalid, nameOf(frames_[i], i),
+        throw Error(Status::Invalid, frameTitle(frames_[i], i),
                     "has other arrays than the first frame: " + listed(looks_[i].names) +
                         " in place of " + listed(looks_.front().names),
                     "name arrays that all frames have");
@@ -237,21 +166,14 @@ private:
       arrayBox_ = arrayBox(job_, box, result_.transform);
   }
 
-  // By the memory of the process so far, which is at least that of one frame.
-  std::size_t framesAtOnce() const {
-    const std::size_t each = std::max<std::size_t>(peakResidentBytes(), 1);
-    const std::size_t room = job_.maxMemory != 0 ? job_.maxMemory : availableBytes();
-    return std::max<std::size_t>(1, room / each);
-  }
-
   void secondPass() {
     done_ = 0;
     make(0);
     if (frames_.size() == 1)
       return;
-    result_.atOnce = std::min({framesAtOnce(), frames_.size() - 1,
+    result_.atOnce = std::min({framesAtOnce(job_.maxMemory), frames_.size() - 1,
                                static_cast<std::size_t>(tbb::this_task_arena::max_concurrency())});
-    inParallel(1, frames_.size(), result_.atOnce, [&](std::size_t i) { make(i); });
+    forFrames(1, frames_.size(), result_.atOnce, [&](std::size_t i) { make(i); });
   }
 
   void make(std::size_t i) {
@@ -289,47 +211,8 @@ private:
     progress_.update(static_cast<double>(++done_) / static_cast<double>(frames_.size()));
   }
 
-  // Sums the stages of all frames by name, and collects warnings once each.
   void sumUp() {
-    std::vector<Stage> stages;
-    std::map<std::string, std::pair<Warning, std::size_t>> warnings;
-    std::vector<std::string> order;
-    for (const Report& one : reports_) {
-      report_.partial = report_.partial || one.partial;
-      for (const Stage& stage : one.stages) {
-        const auto known = std::find_if(stages.begin(), stages.end(),
-                                        [&](const Stage& s) { return s.name == stage.name; });
-        if (known == stages.end()) {
-          stages.push_back({stage.name, stage.seconds, stage.peakBytes, {}});
-        } else {
-          known->seconds += stage.seconds;
-          known->peakBytes = std::max(known->peakBytes, stage.peakBytes);
-        }
-      }
-      std::map<std::string, std::size_t> ofFrame;
-      for (const Warning& warning : one.warnings) {
-        if (warning.code == kHiddenValues)
-          continue; // judged over all frames
-        // The second of a code in one frame is about something else.
-        const std::string key = warning.code + "/" + std::to_string(ofFrame[warning.code]++);
-        auto [at, added] = warnings.try_emplace(key, warning, 0);
-        if (added) {
-          order.push_back(key);
-          const auto frame = static_cast<std::size_t>(&one - reports_.data());
-          at->second.first.text = nameOf(frames_[frame], frame) + ": " + warning.text;
-        }
-        ++at->second.second;
-      }
-    }
-    for (Stage& stage : stages)
-      report_.stages.push_back(std::move(stage));
-    for (const std::string& key : order) {
-      const auto& [warning, count] = warnings.at(key);
-      report_.warn(warning.code, count == 1
-                                     ? warning.text
-                                     : fmt::format("{} (and likewise in {} other frame{})",
-                                                   warning.text, count - 1, count == 2 ? "" : "s"));
-    }
+    addReports(reports_, frames_, kHiddenValues, report_); // which is judged over all frames
     warnOfHiddenValues();
   }
 
@@ -350,7 +233,7 @@ private:
       report_.warn(kHiddenValues,
                    fmt::format("'{}' {} (in all frames; see {}); `remap={}=0:1` "
                                "makes it visible",
-                               grid.all.name, why, nameOf(frames_[at], at), grid.all.name));
+                               grid.all.name, why, frameTitle(frames_[at], at), grid.all.name));
     }
   }
 

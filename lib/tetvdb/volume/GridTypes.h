@@ -3,6 +3,8 @@
 // The grid types that have typed code, and the nodes of their trees in file order. Internal.
 #pragma once
 
+#include "tetvdb/volume/Grids.h"
+
 #include <cstddef>
 #include <openvdb/openvdb.h>
 #include <string>

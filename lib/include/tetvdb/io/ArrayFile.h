@@ -61,6 +61,9 @@ void checkArrayOptions(const std::string& path, const ArrayOptions& options, std
 /// have no limit.
 void requireRoom(const std::string& path, double bytes, bool compress);
 
+/// The box that writeArrays() takes where the options have none; empty where no voxel is active.
+VoxelBox arrayBoxOf(const Volume& volume);
+
 /// Writes the grids of a volume in the format of the path's extension; docs/formats.md has the
 /// order of axes and the names of each. Whole or absent. Processes several planes at a time: memory
 /// does not depend on the array's size. Throws Error(Usage) as checkArrayOptions() does, for grids

@@ -27,7 +27,9 @@ namespace tetvdb {
 struct ConvertJob {
   std::string input;              ///< a mesh file, of triangles or of tets, or a volume file
   bool isVolume = false;          ///< the input is a volume: isVolumeFile() (io/VolumeFile.h)
+  int timeStep = -1;              ///< of a mesh file with several, counted from 0; -1: the last
   ArrayInput arrayInput;          ///< of an array file
+  bool allowEmpty = false;        ///< arrays of the background alone become empty grids
   std::string output;             ///< its extension determines the format
   int tileSize = 0;               ///< of a volume: as VoxelizeJob::tileSize
   LevelRange levels;              ///< of a volume into a volume: as VoxelizeJob::levels

@@ -6,6 +6,7 @@
 #include "tetvdb/io/volume/arrays/NpyArray.h"
 
 #include <charconv>
+#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -66,6 +67,15 @@ void setShape(std::string_view text, const std::string& where, NpyArray& array) 
   }
 }
 
+// IEEE 754's binary16.
+double halfNumber(std::uint16_t bits) {
+  const int exponent = bits >> 10 & 31, fraction = bits & 1023;
+  const double magnitude = exponent == 0    ? std::ldexp(fraction, -24)
+                           : exponent == 31 ? (fraction == 0 ? HUGE_VAL : NAN)
+                                            : std::ldexp(fraction + 1024, exponent - 25);
+  return bits >> 15 != 0 ? -magnitude : magnitude;
+}
+
 } // namespace
 
 std::string NpyArray::describe() const {
@@ -78,19 +88,30 @@ std::string NpyArray::describe() const {
 double NpyArray::number(std::size_t i) const {
   const char* at = bytes.data() + i * bytesOf(element);
   switch (element) {
+  case ElementType::Int8:
+    return loadNumber<std::int8_t>(at, swap);
   case ElementType::UInt8:
     return loadNumber<std::uint8_t>(at, swap);
+  case ElementType::Int16:
+    return loadNumber<std::int16_t>(at, swap);
+  case ElementType::UInt16:
+    return loadNumber<std::uint16_t>(at, swap);
   case ElementType::Int32:
     return loadNumber<std::int32_t>(at, swap);
+  case ElementType::UInt32:
+    return loadNumber<std::uint32_t>(at, swap);
   case ElementType::Int64:
     return static_cast<double>(loadNumber<std::int64_t>(at, swap));
+  case ElementType::UInt64:
+    return static_cast<double>(loadNumber<std::uint64_t>(at, swap));
+  case ElementType::Float16:
+    return halfNumber(loadNumber<std::uint16_t>(at, swap));
   case ElementType::Float32:
     return static_cast<double>(loadNumber<float>(at, swap));
   case ElementType::Float64:
-    return loadNumber<double>(at, swap);
-  default:
-    return 0;
+    break;
   }
+  return loadNumber<double>(at, swap);
 }
 
 NpyArray parseNpy(std::string_view bytes, const std::string& where) {

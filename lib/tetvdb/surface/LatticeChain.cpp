@@ -68,8 +68,7 @@ LatticeChain latticeChain(const TriangleMesh& mesh) {
   for (const std::uint32_t corner : mesh.triangles) {
     if (number[corner] != kNone)
       continue;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      snapped[corner][axis] = std::round((mesh.points[corner][axis] - box.low[axis]) * chain.scale);
+    snapped[corner] = chain.toLattice(mesh.points[corner]);
     number[corner] = 0;
     corners.try_emplace(snapped[corner], corner);
   }

@@ -9,6 +9,7 @@
 #include "tetvdb/surface/WeldedFaces.h"
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -23,6 +24,10 @@ struct LatticeChain {
   double scale = 1; ///< lattice units per world unit: a power of two
 
   Vec3d toWorld(const Vec3d& p) const { return plus(origin, times(p, 1 / scale)); }
+  Vec3d toLattice(const Vec3d& p) const {
+    const Vec3d at = times(minus(p, origin), scale);
+    return {std::round(at[0]), std::round(at[1]), std::round(at[2])};
+  }
 };
 
 /// The lattice has between 2^39 and 2^40 units along the longest side of the mesh's box. Faces with

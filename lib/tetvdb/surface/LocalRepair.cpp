@@ -9,6 +9,7 @@
 #include "tetvdb/surface/EdgeTable.h"
 #include "tetvdb/surface/FloatPositions.h"
 #include "tetvdb/surface/JoinPoints.h"
+#include "tetvdb/surface/LatticeChain.h"
 #include "tetvdb/surface/SelfIntersections.h"
 #include "tetvdb/surface/SeparatePoints.h"
 #include "tetvdb/surface/SplitFans.h"
@@ -183,13 +184,60 @@ void finishCut(CutMesh& cut, Progress& progress) {
                                     : "open edges where faces were cut";
 }
 
+// Three of each face that meets another.
+std::vector<std::uint32_t> cornersOfMetFaces(const TriangleMesh& mesh, Progress& progress) {
+  TriangleMesh clean = mesh; // as facesThatMeetOthers() requires it
+  std::vector<char> flat(clean.triangleCount(), 0);
+  for (std::size_t face = 0; face < flat.size(); ++face) {
+    const std::uint32_t* c = &clean.triangles[3 * face];
+    flat[face] = areCollinear(clean.points[c[0]], clean.points[c[1]], clean.points[c[2]]);
+  }
+  dropFaces(clean, flat);
+  dropEqualFaces(clean, true);
+  std::vector<std::uint32_t> corners;
+  for (const std::uint32_t face : facesThatMeetOthers(clean.points, clean.triangles, {}, progress))
+    for (std::size_t k = 0; k < 3; ++k)
+      corners.push_back(clean.triangles[3 * std::size_t(face) + k]);
+  return corners;
+}
+
+// Moves the corners of faces that meet others.
+template <typename Move>
+void moveWhereFacesMeet(CutMesh& cut, const Move& moved, Progress& progress) {
+  std::vector<char> moves(cut.mesh.points.size(), 0);
+  for (const std::uint32_t corner : cornersOfMetFaces(cut.mesh, progress))
+    moves[corner] = 1;
+  for (std::size_t point = 0; point < moves.size(); ++point) {
+    if (moves[point] == 0)
+      continue;
+    Vec3d& p = cut.mesh.points[point];
+    const Vec3d to = moved(p);
+    cut.repair.alignedPoints += to != p;
+    cut.repair.largestMove = std::max(cut.repair.largestMove, length(minus(to, p)));
+    p = to;
+  }
+}
+
+// Where faces meet by less than the unit of the lattice that they are cut on, they may not meet
+// there.
+void moveToLattice(CutMesh& cut, Progress& progress) {
+  const LatticeChain chain = latticeChain(cut.mesh);
+  moveWhereFacesMeet(
+      cut, [&](const Vec3d& p) { return chain.toWorld(chain.toLattice(p)); }, progress);
+  cut.broken = whatIsBroken(cut.mesh, progress, true);
+}
+
 // Merging and separating points may create new intersections in fine details.
 void cutAgain(CutMesh& cut, int times, Progress& progress) {
   for (int k = 0; k < times && !cut.broken.empty() && isBalanced(cut.mesh); ++k) {
     const auto before = std::make_pair(cut.broken, cut.mesh.triangleCount());
     const CrossingCounts more = removeCrossings(cut.mesh, cut.corners, progress);
-    if (!more.complete || more.cutFaces + more.removedFaces == 0)
+    if (!more.complete)
       return;
+    if (more.cutFaces + more.removedFaces == 0) {
+      moveToLattice(cut, progress);
+      return;
+    }
     CrossingCounts& all = cut.repair.crossings;
     all.metFaces += more.metFaces;
     all.cutFaces += more.cutFaces;
@@ -259,40 +307,16 @@ double diagonalOf(const TriangleMesh& mesh) {
   return length(minus(box.high, box.low));
 }
 
-// Three of each face that meets another.
-std::vector<std::uint32_t> cornersOfMetFaces(const TriangleMesh& mesh, Progress& progress) {
-  TriangleMesh clean = mesh; // as facesThatMeetOthers() requires it
-  std::vector<char> flat(clean.triangleCount(), 0);
-  for (std::size_t face = 0; face < flat.size(); ++face) {
-    const std::uint32_t* c = &clean.triangles[3 * face];
-    flat[face] = areCollinear(clean.points[c[0]], clean.points[c[1]], clean.points[c[2]]);
-  }
-  dropFaces(clean, flat);
-  dropEqualFaces(clean, true);
-  std::vector<std::uint32_t> corners;
-  for (const std::uint32_t face : facesThatMeetOthers(clean.points, clean.triangles, {}, progress))
-    for (std::size_t k = 0; k < 3; ++k)
-      corners.push_back(clean.triangles[3 * std::size_t(face) + k]);
-  return corners;
-}
-
 // The points of faces that meet others on a lattice whose size is a power of two.
 CutMesh alignedWhereFacesMeet(CutMesh cut, Progress& progress) {
   const double size = std::exp2(std::ceil(std::log2(kCoarse * diagonalOf(cut.mesh))));
-  std::vector<char> moves(cut.mesh.points.size(), 0);
-  for (const std::uint32_t corner : cornersOfMetFaces(cut.mesh, progress))
-    moves[corner] = 1;
-  for (std::size_t point = 0; point < moves.size(); ++point) {
-    if (moves[point] == 0)
-      continue;
-    Vec3d& p = cut.mesh.points[point];
+  const auto moved = [&](const Vec3d& p) {
     Vec3d to = p;
     for (double& x : to)
       x = std::round(x / size) * size;
-    cut.repair.alignedPoints += to != p;
-    cut.repair.largestMove = std::max(cut.repair.largestMove, length(minus(to, p)));
-    p = to;
-  }
+    return to;
+  };
+  moveWhereFacesMeet(cut, moved, progress);
   joinEqualAsFloats(cut.mesh, cut.repair);
   dropLooseFlatFaces(cut.mesh);
   stitchBoundaries(cut.mesh, progress);

@@ -8,7 +8,6 @@
 #include "tetvdb/volume/Grids.h"
 
 #include <algorithm>
-#include <atomic>
 #include <fmt/format.h>
 #include <optional>
 #include <utility>
@@ -28,10 +27,8 @@ public:
       uniteBoxes();
     progress_.stage("frames");
     try {
-      convert(0);
-      if (frames_.size() > 1)
-        forFrames(1, frames_.size(), framesAtOnce(job_.maxMemory),
-                  [&](std::size_t i) { convert(i); });
+      forEachFrame(frames_, roomForFrames(), progress_,
+                   [&](std::size_t i, Progress& own) { convert(i, own); });
     } catch (...) {
       addReports(reports_, frames_, {}, report_);
       throw;
@@ -65,6 +62,9 @@ private:
     requireSeparateFiles(inputs, outputs);
   }
 
+  // Converting part by part takes all that a limit leaves: frames then go one by one.
+  std::size_t roomForFrames() const { return job_.maxMemory == 0 ? 0 : 1; }
+
   ConvertJob jobOf(std::size_t i) const {
     ConvertJob job = job_;
     job.input = frames_[i].inputs.front();
@@ -85,26 +85,16 @@ private:
     progress_.stage("first pass");
     std::vector<VoxelBox> boxes(frames_.size());
     std::vector<openvdb::math::Transform::Ptr> transforms(frames_.size());
-    std::atomic<std::size_t> done{0};
-    const auto look = [&](std::size_t i) {
-      try {
-        FrameProgress own(progress_);
-        Report unused; // the second pass tells the same
-        const ConvertJob job = jobOf(i);
-        if (!job.isVolume)
-          return;
-        const Volume volume = readConverted(job, unused, own.progress());
-        boxes[i] = arrayBoxOf(volume);
-        if (!volume.grids().all.empty())
-          transforms[i] = volume.grids().all.front()->transformPtr();
-      } catch (const Error& error) {
-        throw inFrame(error, frames_[i], i);
-      }
-      progress_.update(static_cast<double>(++done) / static_cast<double>(frames_.size()));
-    };
-    look(0);
-    if (frames_.size() > 1)
-      forFrames(1, frames_.size(), framesAtOnce(job_.maxMemory), look);
+    forEachFrame(frames_, roomForFrames(), progress_, [&](std::size_t i, Progress& own) {
+      const ConvertJob job = jobOf(i);
+      if (!job.isVolume)
+        return;
+      Report unused; // the second pass tells the same
+      const Volume volume = readConverted(job, unused, own);
+      boxes[i] = arrayBoxOf(volume);
+      if (!volume.grids().all.empty())
+        transforms[i] = volume.grids().all.front()->transformPtr();
+    });
     VoxelBox all;
     for (std::size_t i = 0; i < boxes.size(); ++i) {
       if (transforms[i] && transforms.front() && *transforms[i] != *transforms.front()) {
@@ -125,18 +115,10 @@ private:
       box_ = all;
   }
 
-  void convert(std::size_t i) {
-    progress_.check();
-    try {
-      FrameProgress own(progress_);
-      const ConvertJob job = jobOf(i);
-      ConvertResult made = tetvdb::run(job, reports_[i], own.progress());
-      results_[i].grids = std::move(made.grids);
-      results_[i].output = made.outputs.front();
-    } catch (const Error& error) {
-      throw inFrame(error, frames_[i], i);
-    }
-    progress_.update(static_cast<double>(++done_) / static_cast<double>(frames_.size()));
+  void convert(std::size_t i, Progress& progress) {
+    ConvertResult made = tetvdb::run(jobOf(i), reports_[i], progress);
+    results_[i].grids = std::move(made.grids);
+    results_[i].output = made.outputs.front();
   }
 
   // Programs that play a sequence look for the same grids in every file.
@@ -153,9 +135,10 @@ private:
       return;
     const auto at = std::find_if(results_.begin(), results_.end(), differs);
     report_.warn("sequence-grids",
-                 fmt::format("{}: has {}, the first frame {} (and {} frame{} in all)",
+                 fmt::format("{}: has {}, and the first frame {}; of {} frames {} differ{} from it",
                              frameTitle(at->frame, static_cast<std::size_t>(at - results_.begin())),
-                             listOf(at->grids), listOf(first), count, count == 1 ? "" : "s"));
+                             listOf(at->grids), listOf(first), results_.size(), count,
+                             count == 1 ? "s" : ""));
   }
 
   static std::string listOf(const std::vector<GridInfo>& grids) {
@@ -172,7 +155,6 @@ private:
   std::vector<Report> reports_;
   std::vector<FrameResult> results_;
   std::optional<VoxelBox> box_; ///< of arrays: the same for all frames
-  std::atomic<std::size_t> done_{0};
 };
 
 } // namespace

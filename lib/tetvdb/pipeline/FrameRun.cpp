@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/pipeline/FrameRun.h"
 
+#include "tetvdb/core/Error.h"
 #include "tetvdb/core/ResidentBytes.h"
 
 #include <algorithm>
@@ -22,6 +23,8 @@ std::string frameTitle(const Frame& frame, std::size_t i) {
   return name + ")";
 }
 
+namespace {
+
 Error inFrame(const Error& error, const Frame& frame, std::size_t i) {
   if (error.status() == Status::Cancelled)
     return Error(Status::Cancelled, "", "cancelled or out of time",
@@ -31,23 +34,27 @@ Error inFrame(const Error& error, const Frame& frame, std::size_t i) {
   return Error(changed ? Status::Invalid : error.status(), frameTitle(frame, i), error.what());
 }
 
-FrameProgress::FrameProgress(Progress& whole) {
-  own_.setDeadline(whole.deadline());
-  own_.onReport([this, &whole](std::string_view, double) {
-    if (whole.cancelled())
-      own_.cancel();
-  });
-}
+// Progress of one frame: it stops when the whole job stops.
+class FrameProgress {
+public:
+  explicit FrameProgress(Progress& whole) {
+    own_.setDeadline(whole.deadline());
+    own_.onReport([this, &whole](std::string_view, double) {
+      if (whole.cancelled())
+        own_.cancel();
+    });
+  }
+  Progress& progress() { return own_; }
 
-std::size_t framesAtOnce(std::size_t maxMemory) {
-  const std::size_t each = std::max<std::size_t>(peakResidentBytes(), 1);
-  return std::max<std::size_t>(1, (maxMemory != 0 ? maxMemory : availableBytes()) / each);
-}
+private:
+  Progress own_;
+};
 
-void forFrames(std::size_t begin, std::size_t end, std::size_t workers,
-               const std::function<void(std::size_t)>& work) {
+// Calls work(i) for i in [begin, end) from `workers` threads, each with its share of the arena's
+// threads; the first failure ends all, and its exception is thrown.
+template <typename Work>
+void inParallel(std::size_t begin, std::size_t end, std::size_t workers, const Work& work) {
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  workers = std::max<std::size_t>(1, std::min({workers, end - begin, threads}));
   std::atomic<std::size_t> next{begin};
   std::atomic<bool> failed{false};
   std::mutex mutex;
@@ -76,6 +83,35 @@ void forFrames(std::size_t begin, std::size_t end, std::size_t workers,
     other.join();
   if (failure)
     std::rethrow_exception(failure);
+}
+
+} // namespace
+
+std::size_t forEachFrame(const std::vector<Frame>& frames, std::size_t maxMemory,
+                         Progress& progress,
+                         const std::function<void(std::size_t i, Progress&)>& work) {
+  std::atomic<std::size_t> done{0};
+  const auto run = [&](std::size_t i) {
+    progress.check();
+    try {
+      FrameProgress own(progress);
+      work(i, own.progress());
+    } catch (const Error& error) {
+      throw inFrame(error, frames[i], i);
+    }
+    progress.update(static_cast<double>(++done) / static_cast<double>(frames.size()));
+  };
+  run(0);
+  if (frames.size() == 1)
+    return 1;
+  // At least what one frame takes.
+  const std::size_t each = std::max<std::size_t>(peakResidentBytes(), 1);
+  const std::size_t room = maxMemory != 0 ? maxMemory : availableBytes();
+  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  const std::size_t atOnce =
+      std::max<std::size_t>(1, std::min({room / each, frames.size() - 1, threads}));
+  inParallel(1, frames.size(), atOnce, run);
+  return atOnce;
 }
 
 void addReports(const std::vector<Report>& reports, const std::vector<Frame>& frames,

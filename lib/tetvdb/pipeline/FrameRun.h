@@ -3,7 +3,6 @@
 // What jobs over the frames of a sequence share. Internal.
 #pragma once
 
-#include "tetvdb/core/Error.h"
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Report.h"
 #include "tetvdb/pipeline/FindFrames.h"
@@ -18,27 +17,13 @@ namespace tetvdb {
 /// "frame 3 (run.exo, step 2)" of the frame at `i`, counted from 0.
 std::string frameTitle(const Frame& frame, std::size_t i);
 
-/// An error in the frame at `i`, which it names.
-Error inFrame(const Error& error, const Frame& frame, std::size_t i);
-
-/// Progress of one frame: it stops when the whole job stops.
-class FrameProgress {
-public:
-  explicit FrameProgress(Progress& whole);
-  Progress& progress() { return own_; }
-
-private:
-  Progress own_;
-};
-
-/// How many frames fit in memory at the same time, by the memory of the process so far, which is at
-/// least that of one frame. `maxMemory`: bytes; 0: the available memory.
-std::size_t framesAtOnce(std::size_t maxMemory);
-
-/// Calls work(i) for i in [begin, end) from `workers` threads at most, each with its share of the
-/// arena's threads. The first failure ends all, and its exception is thrown.
-void forFrames(std::size_t begin, std::size_t end, std::size_t workers,
-               const std::function<void(std::size_t)>& work);
+/// Calls work(i, progress) for every frame: the first alone, to measure the memory of one, then as
+/// many at the same time as threads allow and fit in `maxMemory` bytes (0: the available memory) by
+/// what the process has taken so far, each with its share of the arena's threads. Returns how many.
+/// The first failure ends all; an Error is thrown with the frame's name. `progress` counts frames.
+std::size_t forEachFrame(const std::vector<Frame>& frames, std::size_t maxMemory,
+                         Progress& progress,
+                         const std::function<void(std::size_t i, Progress&)>& work);
 
 /// Adds the frames' reports to `report`: stages summed by name, and warnings once each, with the
 /// first frame that has it, but for those of the code `leftOut`.

@@ -16,7 +16,6 @@
 #include "tetvdb/voxelize/ChooseTransform.h"
 
 #include <algorithm>
-#include <atomic>
 #include <filesystem>
 #include <fmt/format.h>
 #include <optional>
@@ -135,19 +134,9 @@ private:
     progress_.stage("first pass");
     looks_.resize(frames_.size());
     std::vector<Report> told(frames_.size());
-    std::atomic<std::size_t> done{0};
-    const auto look = [&](std::size_t i) {
-      try {
-        FrameProgress own(progress_);
-        looks_[i] = lookAt(job_, frames_[i], told[i], own.progress());
-      } catch (const Error& error) {
-        throw inFrame(error, frames_[i], i);
-      }
-      progress_.update(static_cast<double>(++done) / static_cast<double>(frames_.size()));
-    };
-    look(0);
-    if (frames_.size() > 1)
-      forFrames(1, frames_.size(), framesAtOnce(job_.maxMemory), look);
+    forEachFrame(frames_, job_.maxMemory, progress_, [&](std::size_t i, Progress& own) {
+      looks_[i] = lookAt(job_, frames_[i], told[i], own);
+    });
 
     WorldBox box;
     for (std::size_t i = 0; i < looks_.size(); ++i) {
@@ -167,17 +156,11 @@ private:
   }
 
   void secondPass() {
-    done_ = 0;
-    make(0);
-    if (frames_.size() == 1)
-      return;
-    result_.atOnce = std::min({framesAtOnce(job_.maxMemory), frames_.size() - 1,
-                               static_cast<std::size_t>(tbb::this_task_arena::max_concurrency())});
-    forFrames(1, frames_.size(), result_.atOnce, [&](std::size_t i) { make(i); });
+    result_.atOnce = forEachFrame(frames_, job_.maxMemory, progress_,
+                                  [&](std::size_t i, Progress& own) { make(i, own); });
   }
 
-  void make(std::size_t i) {
-    progress_.check();
+  void make(std::size_t i, Progress& progress) {
     FrameResult& out = result_.frames[i];
     VoxelizeJob job = job_;
     job.inputs = frames_[i].inputs;
@@ -198,17 +181,11 @@ private:
     if (!options_.again && isFinished(job.output, mark)) {
       out.skipped = true;
       out.output = written(job.output);
-    } else {
-      try {
-        FrameProgress own(progress_);
-        VoxelizeResult made = tetvdb::run(job, reports_[i], own.progress());
-        out.grids = std::move(made.grids);
-        out.output = made.outputs.front();
-      } catch (const Error& error) {
-        throw inFrame(error, frames_[i], i);
-      }
+      return;
     }
-    progress_.update(static_cast<double>(++done_) / static_cast<double>(frames_.size()));
+    VoxelizeResult made = tetvdb::run(job, reports_[i], progress);
+    out.grids = std::move(made.grids);
+    out.output = made.outputs.front();
   }
 
   void sumUp() {
@@ -245,7 +222,6 @@ private:
   std::vector<Look> looks_;
   std::optional<VoxelBox> arrayBox_; ///< of arrays: the same for all frames
   std::vector<Report> reports_;
-  std::atomic<std::size_t> done_{0};
   SequenceResult result_;
 };
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "VoxelizeSequence.h"
 
-#include "Commands.h"
 #include "JobReport.h"
-#include "JsonReport.h"
 #include "ProgressDisplay.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/pipeline/PlannedStages.h"
@@ -11,12 +9,9 @@
 #include "tetvdb/pipeline/SequenceJob.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace tetvdb::cli {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // The grid "material" numbers files of triangles, which then belong to one volume.
 bool numbersMaterials(const VoxelizeJob& job) {

@@ -3,7 +3,6 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/InArena.h"
-#include "tetvdb/core/Version.h"
 #include "tetvdb/fields/Field.h"
 #include "tetvdb/fields/NeededArrays.h"
 #include "tetvdb/fields/ShownValues.h"
@@ -16,10 +15,8 @@
 #include "tetvdb/voxelize/ChooseTransform.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <fmt/format.h>
 #include <optional>
-#include <tbb/task_arena.h>
 #include <utility>
 
 namespace tetvdb {

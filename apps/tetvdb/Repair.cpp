@@ -155,6 +155,16 @@ std::string finishedText(const FinishResult& finished) {
   return text + fmt::format("  largest distance by that, both ways: {:.4g}\n", finished.distance);
 }
 
+std::string roundedText(const FloatRounding& rounded) {
+  if (rounded.crossingFaces == 0)
+    return "";
+  return fmt::format(
+      "  rounded to 32-bit floats: {} faces crossed by it; for them {} edges flipped, {} "
+      "contracted, {} vertices moved, up to {:.4g}\n",
+      rounded.crossingFaces, rounded.flippedEdges, rounded.contractedEdges, rounded.movedPoints,
+      rounded.largestMove);
+}
+
 std::string summaryOf(const RepairResult& result) {
   std::string text;
   if (!result.objects.empty()) {
@@ -183,6 +193,8 @@ std::string summaryOf(const RepairResult& result) {
     text += changesText(result);
   if (result.finished)
     text += finishedText(*result.finished);
+  if (result.rounded)
+    text += roundedText(*result.rounded);
   return text;
 }
 

@@ -53,6 +53,13 @@ Json finishedOf(const FinishResult& finished) {
           {"distance", finished.distance}};
 }
 
+Json roundedOf(const FloatRounding& rounded) {
+  return {{"points", rounded.roundedPoints},       {"crossing_faces", rounded.crossingFaces},
+          {"flipped_edges", rounded.flippedEdges}, {"contracted_edges", rounded.contractedEdges},
+          {"moved_points", rounded.movedPoints},   {"largest_move", rounded.largestMove},
+          {"complete", rounded.complete},          {"crossings", rounded.crossings}};
+}
+
 Json repairOf(const RepairResult& result, TextOf textOf) {
   if (!result.objects.empty()) {
     Json objects = Json::array();
@@ -83,6 +90,7 @@ Json repairOf(const RepairResult& result, TextOf textOf) {
           {"triangles_before", isMesh ? Json(result.before->triangles) : Json()},
           {"triangles_extracted", result.remeshed ? Json(result.extracted) : Json()},
           {"finished", result.finished ? finishedOf(*result.finished) : Json()},
+          {"rounded", result.rounded ? roundedOf(*result.rounded) : Json()},
           {"triangles", result.triangles},
           {"vertices", result.vertices},
           {"units", result.units.empty() ? Json() : Json(result.units)},

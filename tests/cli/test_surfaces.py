@@ -153,6 +153,25 @@ class Repair(CommandLineTest):
                          ["read", "clean", "voxelize", "extract", "compare", "compare", "write"])
         self.assert_closed("out.off")
 
+    def test_floats(self):
+        """What STL rounds crosses nothing."""
+        points, faces = box_faces()
+        more, others = box_faces((0.3, 0.4, 0.2), (1.6, 1.5, 1.7))
+        faces += [[c + len(points) for c in face] for face in others]
+        turned = [(1000 + (0.8 * x - 0.6 * y + 0.01 * z) / 99, (0.6 * x + 0.8 * y) / 99, z / 99)
+                  for x, y, z in points + more]
+        self.write("two.off", off(turned, faces))
+        self.assertIsNone(
+            self.report_of("repair", "two.off", "-o", "out.off")["repair"]["rounded"])
+        for options in [], ["--units", "in"], ["--scale", 0.3]:
+            report = self.report_of("repair", "two.off", "-o", "out.stl", *options)
+            self.assertGreater(report["repair"]["rounded"]["points"], 8)
+            self.assertEqual(report["repair"]["rounded"]["crossings"], 0)
+            mesh = self.report_of("info", "out.stl")["input"][0]
+            self.assertEqual(mesh["verdict"], "watertight")
+            self.assertEqual(mesh["defects"]["self_intersections"], 0)
+            self.assertEqual(mesh["triangles"], report["repair"]["triangles"])
+
     def test_overlapping(self):
         points, faces = box_faces()
         more, others = box_faces((0.5, 0.5, 0.5), (1.5, 1.5, 1.5))

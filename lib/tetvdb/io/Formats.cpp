@@ -135,6 +135,7 @@ std::vector<Format> makeTable() {
   // --- triangles ---
   all.push_back(triangles(FileFormat::Stl, "STL", ".stl", "Facets, text or binary", isStl, readStl,
                           writeStl));
+  all.back().hasFloatCoordinates = true;
   all.push_back(
       triangles(FileFormat::Obj, "OBJ", ".obj", "Wavefront's polygons", isObj, readObj, writeObj));
   all.push_back(triangles(FileFormat::Off, "OFF", ".off", "Geomview's polygons, text or binary",
@@ -145,6 +146,7 @@ std::vector<Format> makeTable() {
   all.push_back(triangles(FileFormat::ThreeMf, "3MF", ".3mf",
                           "Objects to be printed, placed, with units", isThreeMf, readThreeMf,
                           writeThreeMf));
+  all.back().hasFloatCoordinates = true;
   all.push_back(triangles(FileFormat::Amf, "AMF", ".amf",
                           "Objects to be printed, placed, with units", isAmf, readAmf, nullptr));
   all.push_back(triangles(FileFormat::Gltf, "glTF", ".gltf .glb",

@@ -7,6 +7,7 @@
 #include "tetvdb/geometry/BoundaryWinding.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/io/Formats.h"
 #include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/formats/threemf/ThreeMfWriter.h"
@@ -51,6 +52,11 @@ double voxelForShell(const Box& box, double shell, std::size_t maxFaces) {
   return std::sqrt(3 * area / static_cast<double>(maxFaces));
 }
 
+void multiply(TriangleMesh& mesh, double factor) {
+  for (Vec3d& p : mesh.points)
+    p = times(p, factor);
+}
+
 // Repairs one object.
 class Repair {
 public:
@@ -69,6 +75,7 @@ public:
     clean(mesh);
     TriangleMesh surface = solidOf(std::move(mesh));
     lookAtChanges(given, surface);
+    surface.units = given.units;
     return finished(std::move(surface));
   }
 
@@ -89,10 +96,41 @@ private:
   TriangleMesh finished(TriangleMesh surface) {
     if (job_.finish.isAsked())
       result_.finished = finishSurface(surface, job_.finish, report_, progress_);
+    result_.volumeAfter = volumeOf(surface);
+    convert(surface);
+    const Format* format = formatForEnding(job_.output, FormatUse::WriteTriangles);
+    if (format != nullptr && format->hasFloatCoordinates)
+      round(surface);
     result_.vertices = surface.points.size();
     result_.triangles = surface.triangleCount();
-    result_.volumeAfter = volumeOf(surface);
     return surface;
+  }
+
+  // To the output's units.
+  void convert(TriangleMesh& mesh) const {
+    double factor = job_.scale;
+    std::string unit;
+    if (const double metres = metresOf(job_.units, &unit); metres > 0) {
+      if (!mesh.units.empty() && metresOf(mesh.units) > 0)
+        factor *= metresOf(mesh.units) / metres;
+      mesh.units = unit;
+    }
+    if (factor != 1)
+      multiply(mesh, factor);
+  }
+
+  void round(TriangleMesh& mesh) {
+    StageTimer timer(report_, "round");
+    progress_.stage("round");
+    const FloatRounding& rounded = result_.rounded.emplace(roundToFloats(mesh, progress_));
+    if (rounded.crossings == 0)
+      return;
+    report_.warn(
+        "float-crossings",
+        fmt::format("{} pairs of faces cross, or faces have no area, since the coordinates "
+                    "of the output's format are 32-bit floats; .ply and .obj have doubles",
+                    rounded.crossings));
+    report_.partial = true;
   }
 
   // Whether `mesh` has no defects, or was repaired in place.
@@ -311,15 +349,12 @@ public:
     }
     checkPreviewPath(job_.preview);
     requireSeparateFiles(filesAmong(inputs_, job_.memory), {job_.output, job_.preview});
-    std::string unit = job_.units;
-    if (!unit.empty() && !(metresOf(job_.units, &unit) > 0))
+    if (!job_.units.empty() && !(metresOf(job_.units) > 0))
       throw Error(Status::Usage, "units", "'" + job_.units + "' is not a known unit",
                   "choose from um, mm, cm, m, in and ft");
     if (!std::isfinite(job_.scale) || !(job_.scale > 0))
       throw Error(Status::Usage, "scale", "must be a number above zero");
     std::vector<NamedMesh> objects = job_.isVolume ? fromVolume() : fromMeshes();
-    for (NamedMesh& object : objects)
-      convert(object.mesh, unit);
     if (!job_.preview.empty())
       preview_.surface(objects.size() == 1 ? objects.front().mesh : joinObjects(objects),
                        "repaired", report_, progress_);
@@ -363,10 +398,8 @@ private:
       const SolidSource source = result_.source;
       const InputInfo input = result_.input;
       NamedMesh& object = objects.front();
-      const std::string units = object.mesh.units;
       Repair repair(job_, report_, progress_);
       object.mesh = repair.ofMesh(object.mesh);
-      object.mesh.units = units;
       result_ = std::move(repair.result());
       result_.source = source;
       result_.input = input;
@@ -388,7 +421,7 @@ private:
         job.finish.faces = std::max<std::size_t>(
             kFewestFaces, job.finish.faces * object.mesh.triangleCount() / faces);
       const std::size_t warningsBefore = report_.warnings.size();
-      const std::string units = object.mesh.units, name = "object '" + object.name + "'";
+      const std::string name = "object '" + object.name + "'";
       Repair repair(job, report_, progress_);
       try {
         object.mesh = repair.ofMesh(object.mesh);
@@ -397,7 +430,6 @@ private:
           throw;
         throw Error(error.status(), name, error.what());
       }
-      object.mesh.units = units;
       for (std::size_t i = warningsBefore; i < report_.warnings.size(); ++i)
         report_.warnings[i].text = name + ": " + report_.warnings[i].text;
       repair.result().name = object.name;
@@ -456,22 +488,6 @@ private:
           multiply(object.mesh, metresOf(object.mesh.units) / metresOf(unit));
         object.mesh.units = unit;
       }
-  }
-
-  static void multiply(TriangleMesh& mesh, double factor) {
-    for (Vec3d& p : mesh.points)
-      p = times(p, factor);
-  }
-
-  void convert(TriangleMesh& mesh, const std::string& unit) const {
-    double factor = job_.scale;
-    if (!unit.empty()) {
-      if (!mesh.units.empty() && metresOf(mesh.units) > 0)
-        factor *= metresOf(mesh.units) / metresOf(unit);
-      mesh.units = unit;
-    }
-    if (factor != 1)
-      multiply(mesh, factor);
   }
 
   void write(const std::vector<NamedMesh>& objects) {

@@ -6,8 +6,8 @@
 #include "tetvdb/geometry/Orientation.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/CrossingGuard.h"
+#include "tetvdb/surface/HalfEdgeMesh.h"
 
-#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/BaseDecimaterT.hh>
 #include <algorithm>
 #include <array>
@@ -32,11 +32,6 @@ constexpr int kTries = 4;                 ///< candidate neighbours per vertex
 // in flat regions well-shaped.
 constexpr double kLengthWeight = 1e-3;
 
-struct Traits : OpenMesh::DefaultTraits {
-  using Point = OpenMesh::Vec3d;
-  using Normal = OpenMesh::Vec3d;
-};
-using HalfEdgeMesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
 using Vertex = HalfEdgeMesh::VertexHandle;
 using HalfEdge = HalfEdgeMesh::HalfedgeHandle;
 using Collapse = OpenMesh::Decimater::CollapseInfoT<HalfEdgeMesh>;

@@ -5,9 +5,9 @@
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/FeatureEdges.h"
 #include "tetvdb/surface/FloatPositions.h"
+#include "tetvdb/surface/HalfEdgeMesh.h"
 #include "tetvdb/surface/SelfIntersections.h"
 
-#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -24,18 +24,13 @@ constexpr int kHalvings = 4;       ///< of a vertex's displacement, before it is
 constexpr int kBisections = 40;
 constexpr int kVolumeHalvings = 8;
 
-struct Traits : OpenMesh::DefaultTraits {
-  using Point = OpenMesh::Vec3d;
-  using Normal = OpenMesh::Vec3d;
-};
-using HalfEdgeMesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
-
 class Smoothing {
 public:
   Smoothing(TriangleMesh& mesh, const SmoothOptions& options, Progress& progress)
       : mesh_(mesh), options_(options), progress_(progress), first_(mesh.points),
         target_(mesh.points), share_(mesh.points.size(), 1.0), isHeld_(mesh.points.size(), 0) {
-    build();
+    if (!addClosedManifold(halfEdges_, mesh.points.size(), mesh.triangles))
+      throw Error(Status::Invalid, "", "the surface is not a closed manifold");
     if (options.featureDegrees < 180)
       for (const VertexPair& edge : featureEdges(mesh, options.featureDegrees))
         isHeld_[edge[0]] = isHeld_[edge[1]] = 1;
@@ -65,22 +60,6 @@ public:
   }
 
 private:
-  void build() {
-    halfEdges_.reserve(mesh_.points.size(), mesh_.triangles.size() / 2, mesh_.triangleCount());
-    for (std::size_t v = 0; v < mesh_.points.size(); ++v)
-      halfEdges_.add_vertex(HalfEdgeMesh::Point(0, 0, 0));
-    const auto vertex = [&](std::size_t corner) {
-      return HalfEdgeMesh::VertexHandle(static_cast<int>(mesh_.triangles[corner]));
-    };
-    bool isManifold = true;
-    for (std::size_t i = 0; i < mesh_.triangles.size() && isManifold; i += 3)
-      isManifold = halfEdges_.add_face(vertex(i), vertex(i + 1), vertex(i + 2)).is_valid();
-    for (const auto edge : halfEdges_.edges())
-      isManifold = isManifold && !halfEdges_.is_boundary(edge);
-    if (!isManifold)
-      throw Error(Status::Invalid, "", "the surface is not a closed manifold");
-  }
-
   Vec3d neighboursMean(std::size_t v) const {
     Vec3d sum{0, 0, 0};
     int count = 0;

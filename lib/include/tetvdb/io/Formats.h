@@ -46,6 +46,8 @@ struct Format {
   std::string_view endings;     ///< lower case, the usual one first: ".gltf .glb"
   std::string_view description; ///< one line, without a full stop
   unsigned holds = 0;
+  /// Coordinates of triangles are 32-bit floats in files, or in the programs that print them.
+  bool hasFloatCoordinates = false;
 
   /// Whether the content is of this format. Null: only the name decides.
   bool (*isContent)(const FileStart&) = nullptr;

@@ -18,6 +18,7 @@
 #include "tetvdb/surface/CompareMeshes.h"
 #include "tetvdb/surface/LocalRepair.h"
 #include "tetvdb/surface/MeshChanges.h"
+#include "tetvdb/surface/RoundToFloats.h"
 #include "tetvdb/surface/SurfaceDefects.h"
 #include "tetvdb/volume/Volume.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
@@ -79,6 +80,7 @@ struct RepairResult {
   GridTransform transform;                 ///< of the intermediate grid
   std::size_t extracted = 0;               ///< faces before simplification; 0 if not remeshed
   std::optional<FinishResult> finished;    ///< if requested
+  std::optional<FloatRounding> rounded;    ///< if the output's format has floats
   std::size_t vertices = 0, triangles = 0; ///< written
   double volumeBefore = 0;                 ///< of meshes, cleaned; world units cubed
   double volumeAfter = 0;
@@ -99,8 +101,10 @@ struct RepairResult {
 /// this changes the solid's volume by more than 1 %, or repair in place changes it by more than 0.1
 /// %, the warning "volume-changed" is added; above 1 % the report is partial. Tets are
 /// replaced by their surface; a volume's surface is extracted directly. Then finishSurface()
-/// smooths and simplifies it, if requested. Adds stages "read", "clean", "check", "repair",
-/// "voxelize", "extract", those of finishSurface() and "write" to `report`. Throws the errors of
+/// smooths and simplifies it, if requested, and for .stl and .3mf it is rounded to 32-bit floats
+/// (RoundToFloats.h); if faces still cross by that, the report is partial, with the warning
+/// "float-crossings". Adds stages "read", "clean", "check", "repair", "voxelize", "extract", those
+/// of finishSurface(), "round" and "write" to `report`. Throws the errors of
 /// its stages; sheets without an inside are Error(Invalid). If the output is .3mf, which requires a
 /// unit, and that of the input is unknown, millimetres are written with the warning "unit-guessed".
 RepairResult run(const RepairJob& job, Report& report, Progress& progress);

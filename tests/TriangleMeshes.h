@@ -104,14 +104,18 @@ inline TriangleMesh sphere(const Vec3d& center = {0, 0, 0}, double radius = 1, i
     const auto number = [&](int i, int j) {
       return table.at(mesh, {sx * (n - i - j), sy * i, sz * j}, position);
     };
-    const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    using Step = std::array<int, 2>;
+    const auto add = [&](const Step& first, const Step& second, const Step& third) {
+      // One by one: compilers differ in the order of arguments, and points are numbered by it.
+      const std::uint32_t c = number(third[0], third[1]), b = number(second[0], second[1]),
+                          a = number(first[0], first[1]);
       sx* sy* sz > 0 ? addTriangle(mesh, a, b, c) : addTriangle(mesh, a, c, b);
     };
     for (int i = 0; i < n; ++i)
       for (int j = 0; i + j < n; ++j) {
-        add(number(i, j), number(i + 1, j), number(i, j + 1));
+        add({i, j}, {i + 1, j}, {i, j + 1});
         if (i + j + 1 < n)
-          add(number(i + 1, j), number(i + 1, j + 1), number(i, j + 1));
+          add({i + 1, j}, {i + 1, j + 1}, {i, j + 1});
       }
   }
   mesh.faceCount = mesh.triangleCount();

@@ -4,6 +4,8 @@
 import math
 import unittest
 import zipfile
+from itertools import product
+from random import Random
 from xml.etree import ElementTree
 
 from program import CommandLineTest, box_faces, lattice, medit, off
@@ -171,6 +173,37 @@ class Repair(CommandLineTest):
             self.assertEqual(mesh["verdict"], "watertight")
             self.assertEqual(mesh["defects"]["self_intersections"], 0)
             self.assertEqual(mesh["triangles"], report["repair"]["triangles"])
+
+    def test_walls_thinner_than_floats_resolve(self):
+        """Two triangulations of a tilted square, 1e-9 apart, with a common outline; and a box."""
+        fewest = 1000
+        n = 12
+        for seed in 4, 5, 12:
+            random = Random(seed)
+            points, faces = box_faces((0, 0, -2), (1, 1, -1))
+            sides = {}, {}
+            for side, offset in zip(sides, (0, -1e-9)):
+                for i, j in product(range(n + 1), repeat=2):
+                    if {i, j} & {0, n} and side is sides[1]:
+                        side[i, j] = sides[0][i, j]
+                        continue
+                    reach = 0 if {i, j} & {0, n} else 0.3
+                    x = (i + random.uniform(-reach, reach)) / n
+                    y = (j + random.uniform(-reach, reach)) / n
+                    side[i, j] = len(points)
+                    points.append((x, y, 0.37 * x + 0.23 * y + offset))
+            for i, j in product(range(n), repeat=2):
+                (a, e), (b, f), (c, g), (d, h) = (
+                    [side[corner] for side in sides]
+                    for corner in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)))
+                faces += [[a, b, c], [a, c, d], [e, h, f], [f, h, g]]
+            self.write("wall.off", off(points, faces))
+            rounded = self.report_of("repair", "wall.off", "-o", "wall.stl")["repair"]["rounded"]
+            self.assertGreater(rounded["crossing_faces"], 100)
+            mesh = self.report_of("info", "wall.stl")["input"][0]
+            self.assertEqual(mesh["verdict"], "watertight")
+            fewest = min(fewest, mesh["triangles"])
+        self.assertLess(fewest, 200)  # holes where one side crossed the other
 
     def test_overlapping(self):
         points, faces = box_faces()

@@ -42,7 +42,8 @@ constexpr std::size_t kBytesPerFaceOfRepair = 1000; // of all stages together
 constexpr double kOffFaces = 0.38;      // voxels from the box's sides to the nearest centres
 constexpr std::size_t kFewestFaces = 4; // of a closed surface
 constexpr std::size_t kDistanceSamples = 20000; // on each mesh
-constexpr double kThickestShell = 10;           // in diagonals of the mesh's box
+constexpr int kMoreRoundings = 3;     // of what is cut again, since faces cross by rounding
+constexpr double kThickestShell = 10; // in diagonals of the mesh's box
 
 // The smallest voxel whose surface of a shell has at most `maxFaces` faces, three a voxel's side,
 // be it as large as that of its box.
@@ -122,7 +123,18 @@ private:
   void round(TriangleMesh& mesh) {
     StageTimer timer(report_, "round");
     progress_.stage("round");
-    const FloatRounding& rounded = result_.rounded.emplace(roundToFloats(mesh, progress_));
+    FloatRounding& rounded = result_.rounded.emplace(roundToFloats(mesh, progress_));
+    // The sides of a wall that is thinner than floats resolve may still cross.
+    for (int i = 0; i < kMoreRoundings && rounded.crossings > 0; ++i) {
+      TriangleMesh cut = mesh;
+      if (!repairLocally(cut, progress_).succeeded)
+        break;
+      const FloatRounding again = roundToFloats(cut, progress_);
+      if (again.crossings >= rounded.crossings)
+        break;
+      mesh = std::move(cut);
+      rounded.crossings = again.crossings;
+    }
     if (rounded.crossings == 0)
       return;
     report_.warn(

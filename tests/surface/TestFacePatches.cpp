@@ -129,8 +129,8 @@ TEST(FacePatches, OfSoups) {
   meshes::Random random(11);
   for (int round = 0; round < 60; ++round) { // from all edges of two faces to hardly any
     TriangleMesh mesh;
-    const int points = 12 + 4 * round;
-    mesh.points.resize(static_cast<std::size_t>(points));
+    const std::size_t points = 12 + 4 * static_cast<std::size_t>(round);
+    mesh.points.resize(points);
     for (int corner = 0; corner < 3 * 300; ++corner)
       mesh.triangles.push_back(static_cast<std::uint32_t>(random.below(points)));
     expectAsWalked(mesh);

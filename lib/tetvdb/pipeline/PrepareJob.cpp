@@ -10,6 +10,7 @@
 #include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/pipeline/CleanInput.h"
 #include "tetvdb/pipeline/RepairJob.h"
+#include "tetvdb/pipeline/RoundForFormat.h"
 #include "tetvdb/print/Cavity.h"
 #include "tetvdb/print/DrainHoles.h"
 #include "tetvdb/print/Infill.h"
@@ -64,6 +65,8 @@ public:
     result_.volumeBefore = before.volume();
     result_.cavitiesBefore = before.cavities();
     fill(solid);
+    // Before cavities are made, whose walls are measured from it.
+    roundForFormat(solid, job_.output, report_, progress_);
     result_.keptFaces = isRemade_ ? 0 : solid.triangleCount();
     if (asksVoxels())
       result_.voxel = voxelFor(solid);

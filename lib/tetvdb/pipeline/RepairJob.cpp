@@ -7,7 +7,6 @@
 #include "tetvdb/geometry/BoundaryWinding.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
-#include "tetvdb/io/Formats.h"
 #include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/formats/threemf/ThreeMfWriter.h"
@@ -15,6 +14,7 @@
 #include "tetvdb/pipeline/CleanInput.h"
 #include "tetvdb/pipeline/MeshObjects.h"
 #include "tetvdb/pipeline/Preview.h"
+#include "tetvdb/pipeline/RoundForFormat.h"
 #include "tetvdb/surface/CloseComponents.h"
 #include "tetvdb/surface/CompareSolids.h"
 #include "tetvdb/surface/ExtractSurface.h"
@@ -42,8 +42,7 @@ constexpr std::size_t kBytesPerFaceOfRepair = 1000; // of all stages together
 constexpr double kOffFaces = 0.38;      // voxels from the box's sides to the nearest centres
 constexpr std::size_t kFewestFaces = 4; // of a closed surface
 constexpr std::size_t kDistanceSamples = 20000; // on each mesh
-constexpr int kMoreRoundings = 3;     // of what is cut again, since faces cross by rounding
-constexpr double kThickestShell = 10; // in diagonals of the mesh's box
+constexpr double kThickestShell = 10;           // in diagonals of the mesh's box
 
 // The smallest voxel whose surface of a shell has at most `maxFaces` faces, three a voxel's side,
 // be it as large as that of its box.
@@ -99,9 +98,7 @@ private:
       result_.finished = finishSurface(surface, job_.finish, report_, progress_);
     result_.volumeAfter = volumeOf(surface);
     convert(surface);
-    const Format* format = formatForEnding(job_.output, FormatUse::WriteTriangles);
-    if (format != nullptr && format->hasFloatCoordinates)
-      round(surface);
+    result_.rounded = roundForFormat(surface, job_.output, report_, progress_);
     result_.vertices = surface.points.size();
     result_.triangles = surface.triangleCount();
     return surface;
@@ -118,31 +115,6 @@ private:
     }
     if (factor != 1)
       multiply(mesh, factor);
-  }
-
-  void round(TriangleMesh& mesh) {
-    StageTimer timer(report_, "round");
-    progress_.stage("round");
-    FloatRounding& rounded = result_.rounded.emplace(roundToFloats(mesh, progress_));
-    // The sides of a wall that is thinner than floats resolve may still cross.
-    for (int i = 0; i < kMoreRoundings && rounded.crossings > 0; ++i) {
-      TriangleMesh cut = mesh;
-      if (!repairLocally(cut, progress_).succeeded)
-        break;
-      const FloatRounding again = roundToFloats(cut, progress_);
-      if (again.crossings >= rounded.crossings)
-        break;
-      mesh = std::move(cut);
-      rounded.crossings = again.crossings;
-    }
-    if (rounded.crossings == 0)
-      return;
-    report_.warn(
-        "float-crossings",
-        fmt::format("{} pairs of faces cross, or faces have no area, since the coordinates "
-                    "of the output's format are 32-bit floats; .ply and .obj have doubles",
-                    rounded.crossings));
-    report_.partial = true;
   }
 
   // Whether `mesh` has no defects, or was repaired in place.

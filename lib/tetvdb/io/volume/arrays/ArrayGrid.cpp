@@ -248,7 +248,7 @@ private:
     constexpr Index kSteps[3] = {kLeafSize * kLeafSize, kLeafSize, 1};
     bool isWhole = true;
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::int32_t at = origin[static_cast<int>(k)];
+      const std::int32_t at = origin[k];
       const std::int32_t low = std::max(at, box_.low[k]);
       const std::int32_t high = std::min(at + kLeafSize - 1, box_.high[k]);
       if (high < low)

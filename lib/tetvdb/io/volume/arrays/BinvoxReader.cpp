@@ -23,7 +23,7 @@ void readBinvox(const Source& source, const ArraySink& sink, Progress& progress)
   for (;;) {
     const std::string_view word = in.word();
     if (word == "dim") {
-      for (const std::size_t k : {0, 2, 1}) // depth, height, width
+      for (const std::size_t k : {0u, 2u, 1u}) // depth, height, width
         array.size[k] = static_cast<std::uint64_t>(std::max<std::int64_t>(in.integer(), 0));
     } else if (word == "translate") {
       corner = {in.real(), in.real(), in.real()};

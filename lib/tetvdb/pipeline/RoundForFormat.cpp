@@ -33,6 +33,13 @@ std::optional<FloatRounding> roundForFormat(TriangleMesh& mesh, const std::strin
     mesh = std::move(cut);
     rounded.crossings = again.crossings;
   }
+  if (!rounded.complete) {
+    report.warn(
+        "float-crossings",
+        "vertices of the surface are equal as the 32-bit floats of the output's format, and "
+        "faces may cross there; .ply and .obj have doubles");
+    report.partial = true;
+  }
   if (rounded.crossings > 0) {
     report.warn("float-crossings",
                 fmt::format("{} pairs of faces cross, or faces have no area, since the coordinates "

@@ -177,13 +177,14 @@ private:
       from.push_back(mesh_.points[numberOf(v)]);
     // Returns false if one of the positions is another point's.
     const auto place = [&](const Vec3d& way) {
-      bool isFree = true;
+      std::set<FloatPosition> taken;
       for (std::size_t i = 0; i < vertices.size(); ++i) {
         Vec3d& p = mesh_.points[numberOf(vertices[i])];
         p = nearestFloats(plus(from[i], way));
-        isFree = isFree && used_.count(asFloats(p)) == 0;
+        if (used_.count(asFloats(p)) == 0)
+          taken.insert(asFloats(p));
       }
-      return isFree;
+      return taken.size() == vertices.size();
     };
     const auto setUsed = [&] {
       for (const Vertex v : vertices)

@@ -33,18 +33,13 @@ std::optional<FloatRounding> roundForFormat(TriangleMesh& mesh, const std::strin
     mesh = std::move(cut);
     rounded.crossings = again.crossings;
   }
-  if (!rounded.complete) {
-    report.warn(
-        "float-crossings",
-        "vertices of the surface are equal as the 32-bit floats of the output's format, and "
-        "faces may cross there; .ply and .obj have doubles");
-    report.partial = true;
-  }
-  if (rounded.crossings > 0) {
+  if (!rounded.complete || rounded.crossings > 0) {
     report.warn("float-crossings",
-                fmt::format("{} pairs of faces cross, or faces have no area, since the coordinates "
-                            "of the output's format are 32-bit floats; .ply and .obj have doubles",
-                            rounded.crossings));
+                (rounded.complete ? fmt::format("{} pairs of faces cross, or faces have no area",
+                                                rounded.crossings)
+                                  : "vertices are equal, and faces may cross there") +
+                    ", since the coordinates of the output's format are 32-bit floats; .ply and "
+                    ".obj have doubles");
     report.partial = true;
   }
   return rounded;

@@ -149,7 +149,7 @@ private:
         corners[k++] = numberOf(v);
       guard_.change(face, corners);
     }
-    took(rounding_.flippedEdges, 0);
+    took(rounding_.flippedEdges, 1, 0);
     return true;
   }
 
@@ -203,8 +203,7 @@ private:
         setUsed();
         for (std::size_t i = 0; i < replaced_.size(); ++i)
           guard_.change(replaced_[i], added_[i]);
-        rounding_.movedPoints += vertices.size() - 1;
-        took(rounding_.movedPoints, length(by));
+        took(rounding_.movedPoints, vertices.size(), length(by));
         return true;
       }
     place({0, 0, 0});
@@ -241,7 +240,7 @@ private:
     for (std::size_t i = 0; i < kept.size(); ++i)
       guard_.change(kept[i], added_[i]);
     replaced_ = kept;
-    took(rounding_.contractedEdges, far);
+    took(rounding_.contractedEdges, 1, far);
     return true;
   }
 
@@ -286,8 +285,8 @@ private:
     return cross(minus(p[corners[1]], p[corners[0]]), minus(p[corners[2]], p[corners[0]]));
   }
 
-  void took(std::size_t& count, double move) {
-    ++count;
+  void took(std::size_t& count, std::size_t more, double move) {
+    count += more;
     rounding_.largestMove = std::max(rounding_.largestMove, move);
     changed_.insert(changed_.end(), replaced_.begin(), replaced_.end());
   }
@@ -304,35 +303,41 @@ private:
   std::vector<std::uint32_t> replaced_;
 };
 
+// The faces of a mesh, apart by whether they have an area.
+struct FacesByArea {
+  std::vector<std::uint32_t> with, corners; ///< of each with an area, three corners
+  std::vector<std::uint32_t> without;
+
+  explicit FacesByArea(const TriangleMesh& mesh) {
+    for (std::uint32_t face = 0; face < mesh.triangleCount(); ++face) {
+      const std::uint32_t* c = &mesh.triangles[3 * std::size_t(face)];
+      if (areCollinear(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]])) {
+        without.push_back(face);
+        continue;
+      }
+      with.push_back(face);
+      corners.insert(corners.end(), c, c + 3);
+    }
+  }
+};
+
 // Faces without area, then faces at a point of `moved` that meet others.
 std::vector<std::uint32_t> badFaces(const TriangleMesh& mesh, const std::vector<char>& moved,
                                     Progress& progress) {
-  std::vector<std::uint32_t> faces, corners, bad; // with area
-  std::vector<char> looked;
-  for (std::uint32_t face = 0; face < mesh.triangleCount(); ++face) {
-    const std::uint32_t* c = &mesh.triangles[3 * std::size_t(face)];
-    if (areCollinear(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]])) {
-      bad.push_back(face);
-      continue;
-    }
-    faces.push_back(face);
-    corners.insert(corners.end(), c, c + 3);
-    looked.push_back(moved[c[0]] != 0 || moved[c[1]] != 0 || moved[c[2]] != 0);
-  }
-  for (const std::uint32_t face : facesThatMeetOthers(mesh.points, corners, looked, progress))
-    bad.push_back(faces[face]);
+  const FacesByArea faces(mesh);
+  std::vector<char> looked(faces.with.size(), 0);
+  for (std::size_t i = 0; i < faces.corners.size(); ++i)
+    looked[i / 3] = looked[i / 3] != 0 || moved[faces.corners[i]] != 0;
+  std::vector<std::uint32_t> bad = faces.without;
+  for (const std::uint32_t i : facesThatMeetOthers(mesh.points, faces.corners, looked, progress))
+    bad.push_back(faces.with[i]);
   return bad;
 }
 
 std::size_t crossingsOf(const TriangleMesh& mesh, Progress& progress) {
-  std::vector<std::uint32_t> corners;
-  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
-    const std::uint32_t* c = &mesh.triangles[i];
-    if (!areCollinear(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]))
-      corners.insert(corners.end(), c, c + 3);
-  }
-  return mesh.triangleCount() - corners.size() / 3 +
-         countIntersections(mesh.points, corners, SIZE_MAX, progress).pairs;
+  const FacesByArea faces(mesh);
+  return faces.without.size() +
+         countIntersections(mesh.points, faces.corners, SIZE_MAX, progress).pairs;
 }
 
 } // namespace

@@ -98,8 +98,9 @@ double defaultVoxel(const PrepareJob& job, double area, double volume, double th
 /// cavities (print/DrainHoles.h), whose plugs are written as .stl files beside the output. Faces of
 /// the input are unchanged if the solid is not offset. A volume file contains the grid "surface", a
 /// level set of three voxels to each side. Adds stages "read", "clean", those of mendSolid(),
-/// "voxelize", "distance", "extract", "simplify", "drill", "fields" and "write" to `report`. Throws
-/// the errors of its stages; nothing is written then.
+/// "round" (RoundToFloats.h, for .stl and .3mf, which may warn of "float-crossings"), "voxelize",
+/// "distance", "extract", "simplify", "drill", "fields" and "write" to `report`. Throws the errors
+/// of its stages; nothing is written then.
 PrepareResult run(const PrepareJob& job, Report& report, Progress& progress);
 
 } // namespace tetvdb

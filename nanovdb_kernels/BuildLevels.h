@@ -128,6 +128,19 @@ void forGroups(Backend& b, const Groups& groups, u64* begin, const Each& each) {
       });
 }
 
+/// Nodes are numbered in 32 bits.
+inline void checkCount(u64 count) {
+  if (count >= 0xFFFFFFFFu)
+    throw Error(Status::Limit, "", "the grid has 2^32 leaves or more", "use larger voxels");
+}
+
+/// The nodes above leaves.
+struct InternalNodes {
+  Entries lowers, uppers;
+  NodeMasks<4> lowerMasks;
+  NodeMasks<5> upperMasks;
+};
+
 /// Error bits that kernels raise.
 enum : u32 { kBadPoint = 1, kLongTet = 2, kNotClosed = 4, kBadIndex = 8 };
 
@@ -153,6 +166,18 @@ public:
     if (e.treeKey == nullptr)
       toTreeOrder(level, e);
     b_.dropTemporaries();
+  }
+
+  /// The nodes above leaves whose gaps are closed.
+  InternalNodes nodesAbove(const Entries& leaves) {
+    InternalNodes n;
+    checkCount(leaves.count);
+    n.lowers = parents<4>(0, leaves, n.lowerMasks);
+    closeGaps<4>(1, n.lowers, n.lowerMasks.top, GrowNodes<Backend, 4>{b_, n.lowerMasks});
+    checkCount(n.lowers.count);
+    n.uppers = parents<5>(1, n.lowers, n.upperMasks);
+    closeGaps<16>(2, n.uppers, n.upperMasks.top, GrowNodes<Backend, 5>{b_, n.upperMasks});
+    return n;
   }
 
   /// The nodes of the next level: the parents of the children.

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "BandLeaves.h"
+#include "CoverageGrid.h"
 #include "CudaBackend.h"
 #include "ExpandGrid.h"
 #include "HostMemory.h"
 #include "LevelSetGrid.h"
 #include "SampleGrids.h"
 #include "SharedGrid.h"
-#include "SlabVolumes.h"
 
 #include <algorithm>
 #include <cstring>
@@ -305,16 +305,14 @@ struct Device {
     return leaves;
   }
 
-  u64 coverage(const CoverageJob& job, CoverageReceiver& receiver, const Progress* progress) {
+  Result coverage(const CoverageJob& job, const Progress* progress) {
     begin(progress);
-    SlabVolumes<CudaBackend> volumes(
+    CoverageGrid<CudaBackend> grid(
         *backend, job, [&](const void* from, u64 bytes) { return copied(from, bytes); });
     backend->recordFields(upload);
     events->record(1, upload);
     backend->awaitFields();
-    const u64 leaves = volumes.run(receiver);
-    finish();
-    return leaves;
+    return finish(grid.run(), job.download);
   }
 
   Result levelSet(const MeshView& mesh, const LevelSetJob& job, const Progress* progress) {
@@ -414,9 +412,8 @@ u64 DeviceVoxelizer::distances(const DistanceJob& job, DistanceReceiver& receive
       [&] { return state_->distances(job, receiver, progress, shareOfNodes(job, 0, 1)); });
 }
 
-u64 DeviceVoxelizer::coverage(const CoverageJob& job, CoverageReceiver& receiver,
-                              const Progress* progress) {
-  return state_->settled([&] { return state_->coverage(job, receiver, progress); });
+Result DeviceVoxelizer::coverage(const CoverageJob& job, const Progress* progress) {
+  return state_->settled([&] { return state_->coverage(job, progress); });
 }
 
 struct SharedVoxelizer::State {
@@ -487,7 +484,7 @@ Result SharedVoxelizer::run(const MeshView& mesh, const Job& job, const Progress
     return open;
   }
   const SharedLayout layout(pipelines[0]->kind(), nodes);
-  Pipeline<CudaBackend>::checkCount(layout.all.leaves);
+  checkCount(layout.all.leaves);
   u8* grid = job.download ? s.grid.atLeast(layout.whole.size) : nullptr;
   std::vector<RootsOfShare> roots(count);
   s.forDevices([&](std::size_t k) {
@@ -555,12 +552,13 @@ u64 SharedVoxelizer::distances(const DistanceJob& job, DistanceReceiver& receive
   return all;
 }
 
-u64 SharedVoxelizer::coverage(const CoverageJob& job, CoverageReceiver& receiver,
-                              const Progress* progress) {
+Result SharedVoxelizer::coverage(const CoverageJob& job, const Progress* progress) {
   State& s = *state_;
-  s.leaves.assign(s.devices.size(), 0);
   Device& first = *s.devices.front();
-  return first.settled([&] { return s.leaves.front() = first.coverage(job, receiver, progress); });
+  const Result result = first.settled([&] { return first.coverage(job, progress); });
+  s.leaves.assign(s.devices.size(), 0);
+  s.leaves.front() = result.counts.leaves;
+  return result;
 }
 
 Result SharedVoxelizer::levelSet(const MeshView& mesh, const LevelSetJob& job,

@@ -18,6 +18,7 @@
 #include "FieldJob.h"
 #include "HolesView.h"
 #include "LevelSetJob.h"
+#include "tetvdb/fields/CoverageSum.h"
 #include "tetvdb/geometry/FillRule.h"
 
 #include <cstddef>
@@ -85,6 +86,7 @@ struct Counts {
   std::uint64_t leaves = 0, lowerNodes = 0, upperNodes = 0, rootTiles = 0;
   std::uint64_t bufferBytes = 0;
   std::uint64_t insideVoxels = 0; ///< of level sets
+  CoverageSum coverage;           ///< of coverage
   Method method = Method::Tets;   ///< the one taken
 };
 
@@ -132,7 +134,7 @@ public:
   Counts sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver, int shares = 1);
   Counts sampleGrids(const MeshView& mesh, const FieldJob& job, GridReceiver& receiver);
   std::uint64_t distances(const DistanceJob& job, DistanceReceiver& receiver, int shares = 1);
-  std::uint64_t coverage(const CoverageJob& job, CoverageReceiver& receiver);
+  Result coverage(const CoverageJob& job);
   Result levelSet(const MeshView& mesh, const LevelSetJob& job);
 
 private:
@@ -179,8 +181,7 @@ public:
                           const Progress* progress = nullptr);
 
   /// The first device does all.
-  std::uint64_t coverage(const CoverageJob& job, CoverageReceiver& receiver,
-                         const Progress* progress = nullptr);
+  Result coverage(const CoverageJob& job, const Progress* progress = nullptr);
 
   /// Likewise.
   Counts sampleGrids(const MeshView& mesh, const FieldJob& job, GridReceiver& receiver,
@@ -226,8 +227,8 @@ public:
   void expand(const Result& result, GridType type, const VoxelRange& range, DeviceArray& to,
               std::uint64_t at = 0);
 
-  /// The values of the last result of levelSet() as floats, [x][y][z], likewise; `at` is a multiple
-  /// of 4.
+  /// The values of the last result of levelSet() or coverage() as floats, [x][y][z], likewise; `at`
+  /// is a multiple of 4.
   void expandValues(const Result& result, const VoxelRange& range, DeviceArray& to,
                     std::uint64_t at = 0);
 
@@ -256,12 +257,12 @@ public:
   std::uint64_t distances(const DistanceJob& job, DistanceReceiver& receiver,
                           const Progress* progress = nullptr);
 
-  /// Volumes that faces cut off voxels' cubes: the sums of fields/Coverage.h. `receiver` gets them
-  /// in batches of 64 slabs, on the calling thread; what it throws ends the run. Returns how many
-  /// leaves there were. Memory on the device: the job's arrays, 134 MB, and 8 kB for every leaf of
-  /// two batches. Indices of faces and points are trusted. Throws as distances() does.
-  std::uint64_t coverage(const CoverageJob& job, CoverageReceiver& receiver,
-                         const Progress* progress = nullptr);
+  /// The share of every voxel's cube that is inside closed faces, a fog of floats: values, active
+  /// voxels and sums are bit for bit those of fields/Coverage.h, whose tree's nodes it has. Memory
+  /// on the device: the job's arrays, 143 MB, 8 kB for every slab, and three times the leaves of
+  /// the result (2 kB each). Indices of faces and points are trusted. Throws as distances() does,
+  /// and std::logic_error for faces that do not close.
+  Result coverage(const CoverageJob& job, const Progress* progress = nullptr);
 
   /// A float level set, negative inside: values and active voxels are bit for bit those of
   /// fields/LevelSet.h, whose tree's nodes it has. Of triangles that do not close nothing is made,

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "BandLeaves.h"
+#include "CoverageGrid.h"
 #include "ExpandGrid.h"
 #include "HostBackend.h"
 #include "LevelSetGrid.h"
 #include "SampleGrids.h"
 #include "SharedGrid.h"
-#include "SlabVolumes.h"
 
 namespace tetvdb::nano {
 
@@ -92,10 +92,10 @@ u64 HostTwin::distances(const DistanceJob& job, DistanceReceiver& receiver, int 
   return leaves;
 }
 
-u64 HostTwin::coverage(const CoverageJob& job, CoverageReceiver& receiver) {
+Result HostTwin::coverage(const CoverageJob& job) {
   state_->backend.release();
-  return SlabVolumes<HostBackend>(state_->backend, job, [](const void* from, u64) { return from; })
-      .run(receiver);
+  return CoverageGrid<HostBackend>(state_->backend, job, [](const void* from, u64) { return from; })
+      .run();
 }
 
 void HostTwin::expandValues(const Result& result, const VoxelRange& range, float* to) {
@@ -132,7 +132,7 @@ Result HostTwin::run(const MeshView& mesh, const Job& job, int shares) {
     return open;
   }
   const SharedLayout layout(pipelines[0].kind(), counts);
-  Pipeline<HostBackend>::checkCount(layout.all.leaves);
+  checkCount(layout.all.leaves);
   u8* grid = s.backend.output(layout.whole.size);
   std::vector<RootsOfShare> roots;
   for (std::size_t k = 0; k < pipelines.size(); ++k)

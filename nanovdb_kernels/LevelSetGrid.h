@@ -219,7 +219,7 @@ public:
     b_.stage("levels");
     leaf_ = {};
     leaf_.places = leaves_.count();
-    Pipeline<Backend>::checkCount(leaf_.places);
+    checkCount(leaf_.places);
     leaf_.key = leaves_.joined(&MadeLeaves::key);
     if (job_.fog) {
       fog_ = b_.template alloc<FogFindings>(1);
@@ -399,7 +399,7 @@ public:
     }
     GridWriter<Backend> writer(b_, space_, Kind::Float, values);
     writer.take(leaf_.nodes, lower_.nodes, upper_.nodes, roots, roots_.size());
-    writer.writeInternal(buffer, layout_, {}, {}, lowerMasks_, upperMasks_);
+    writer.writeInternal(buffer, layout_, {}, {{}, {}, lowerMasks_, upperMasks_});
     const double size[3] = {job_.voxelSize, job_.voxelSize, job_.voxelSize};
     writer.writeHead(
         buffer, layout_,

@@ -57,7 +57,7 @@ Counts DeviceVoxelizer::sampleGrids(const MeshView&, const FieldJob&, GridReceiv
 std::uint64_t DeviceVoxelizer::distances(const DistanceJob&, DistanceReceiver&, const Progress*) {
   refuse();
 }
-std::uint64_t DeviceVoxelizer::coverage(const CoverageJob&, CoverageReceiver&, const Progress*) {
+Result DeviceVoxelizer::coverage(const CoverageJob&, const Progress*) {
   refuse();
 }
 Result DeviceVoxelizer::levelSet(const MeshView&, const LevelSetJob&, const Progress*) {
@@ -114,7 +114,7 @@ Counts SharedVoxelizer::sampleGrids(const MeshView&, const FieldJob&, GridReceiv
 std::uint64_t SharedVoxelizer::distances(const DistanceJob&, DistanceReceiver&, const Progress*) {
   refuse();
 }
-std::uint64_t SharedVoxelizer::coverage(const CoverageJob&, CoverageReceiver&, const Progress*) {
+Result SharedVoxelizer::coverage(const CoverageJob&, const Progress*) {
   refuse();
 }
 Result SharedVoxelizer::levelSet(const MeshView&, const LevelSetJob&, const Progress*) {

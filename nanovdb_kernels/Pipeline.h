@@ -95,8 +95,7 @@ public:
   /// Second part: the nodes into `buffer`, of layout.sizeHere bytes.
   void write(u8* buffer, const BufferLayout& layout) {
     b_.stage("tree");
-    writer_->writeTree(buffer, layout, leaves_, masks_, table_, summaries_, lowers_, lowerMasks_,
-                       upperMasks_);
+    writer_->writeTree(buffer, layout, leaves_, masks_, table_, summaries_, nodes_);
   }
 
   /// In place of build(): the leaves that tets own voxels of, in tree order, and the number of the
@@ -145,11 +144,6 @@ public:
     counts.rootTiles = nodes.rootTiles - nodes.uppers;
     counts.bufferBytes = bytes;
     return counts;
-  }
-
-  static void checkCount(u64 count) {
-    if (count >= kNoTet)
-      throw Error(Status::Limit, "", "the grid has 2^32 leaves or more", "use larger voxels");
   }
 
   // Public for nvcc alone, as in LevelBuilder.
@@ -267,8 +261,8 @@ public:
     sums[1] = found.tallies[1];
     tree.list(nodes, found.leaves);
     writer_->take(nodes.leaf, nodes.lowers, nodes.uppers, nodes.roots, found.uppers);
-    lowerMasks_ = nodes.lower;
-    upperMasks_ = nodes.upper;
+    nodes_.lowerMasks = nodes.lower;
+    nodes_.upperMasks = nodes.upper;
     masks_.mask = box.mask;
     return {found.uppers, found.uppers, found.lowers, found.leaves};
   }
@@ -339,21 +333,14 @@ public:
   NodeCounts buildLevels(bool varied, const u32* classes = nullptr) {
     b_.stage("levels");
     LevelBuilder<Backend> levels(b_, space_, !varied, kind_ == Kind::Float, errors_, classes);
-    const GrowLeaves<Backend> growLeaves{b_, masks_, leaves_.slots};
-    levels.template closeGaps<1>(0, leaves_, masks_.top, growLeaves);
-    checkCount(leaves_.count);
-    lowers_ = levels.template parents<4>(0, leaves_, lowerMasks_);
-    const GrowNodes<Backend, 4> growLowers{b_, lowerMasks_};
-    levels.template closeGaps<4>(1, lowers_, lowerMasks_.top, growLowers);
-    checkCount(lowers_.count);
-    uppers_ = levels.template parents<5>(1, lowers_, upperMasks_);
-    const GrowNodes<Backend, 5> growUppers{b_, upperMasks_};
-    levels.template closeGaps<16>(2, uppers_, upperMasks_.top, growUppers);
+    levels.template closeGaps<1>(0, leaves_, masks_.top,
+                                 GrowLeaves<Backend>{b_, masks_, leaves_.slots});
+    nodes_ = levels.nodesAbove(leaves_);
     if (!varied) {
       found_.errors = b_.read(errors_);
       refuseLoss();
     }
-    return writer_->number(leaves_, lowers_, uppers_);
+    return writer_->number(leaves_, nodes_.lowers, nodes_.uppers);
   }
 
   void refuseLoss() const {
@@ -597,10 +584,9 @@ private:
   Counts counts_;
   std::unique_ptr<GridWriter<Backend>> writer_;
   // What was built, to be written.
-  Entries leaves_, lowers_, uppers_;
+  Entries leaves_;
+  InternalNodes nodes_;
   LeafMasks masks_;
-  NodeMasks<4> lowerMasks_;
-  NodeMasks<5> upperMasks_;
   const u32* table_ = nullptr; // values' bits
   const LeafSummary* summaries_ = nullptr;
 };

@@ -5,17 +5,15 @@
 #pragma once
 
 #include "SampleLeaves.h"
+#include "SummarizeLeaf.h"
 
 namespace tetvdb::nano {
 
 template <typename V>
-struct ValueShared {
+struct ValueShared : SharedLeaf<V> {
   static constexpr int kThreads = 128, kOccupancy = 12;
-  V value[512];
-  u64 active[8], leftOut[8];
-  TeamExtremes<V> extremes;
+  u64 leftOut[8];
   u32 differ;
-  double sum[kParts], mean;
 };
 
 // A value of V from its bits, and what is asked of values.
@@ -39,15 +37,6 @@ TETVDB_HD inline bool isSame(u32 a, u32 b, bool isFloat) {
 }
 TETVDB_HD inline bool isSame(const Vector& a, const Vector& b, bool) {
   return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
-}
-// As LeafSummary has them.
-TETVDB_HD inline void setExtremes(const TeamExtremes<u32>& all, LeafSummary& summary) {
-  summary.min = all.least;
-  summary.max = all.most;
-}
-TETVDB_HD inline void setExtremes(const TeamExtremes<Vector>& all, LeafSummary& summary) {
-  summary.min = static_cast<i32>(static_cast<u32>(all.least));
-  summary.max = static_cast<i32>(0xFFFFFFFFu - static_cast<u32>(all.most));
 }
 // The value of a full leaf, as GridValues has it.
 TETVDB_HD inline i32 entryValue(u32 first, u64) {
@@ -202,39 +191,11 @@ public:
           if (differ != 0)
             orInto(&s.differ, 1u);
           team.sync();
-          constexpr int kOfPart = 512 / kParts;
-          const auto forPart = [&](int p, const auto& f) {
-            for (int n = p * kOfPart; n < (p + 1) * kOfPart; ++n)
-              if ((s.active[n >> 6] >> (n & 63) & 1) != 0)
-                f(statisticOf(s.value[n], isFloat));
-          };
-          for (int p = team.rank(); p < kParts; p += team.size()) {
-            double sum = 0;
-            forPart(p, [&](double v) { sum += v; });
-            s.sum[p] = sum;
-          }
-          team.sync();
-          const u64 count = countVoxels(s.active);
+          LeafSummary summary;
+          summarize(team, s, isFloat, summary);
           if (team.rank() == 0) {
-            double sum = 0;
-            for (int p = 0; p < kParts; ++p)
-              sum += s.sum[p];
-            s.mean = count == 0 ? 0 : sum / static_cast<double>(count);
-          }
-          team.sync();
-          for (int p = team.rank(); p < kParts; p += team.size()) {
-            double squares = 0;
-            forPart(p, [&](double v) { squares += (v - s.mean) * (v - s.mean); });
-            s.sum[p] = squares;
-          }
-          team.sync();
-          if (team.rank() == 0) {
-            double squares = 0;
-            for (int p = 0; p < kParts; ++p)
-              squares += s.sum[p];
-            LeafSummary& summary = summaries[leaf];
-            summary = {0, 0, static_cast<double>(count), s.mean, squares};
-            setExtremes(s.extremes, summary);
+            const u64 count = countVoxels(s.active);
+            summaries[leaf] = summary;
             states[leaf] = count == 0 ? kEmpty : count == 512 && s.differ == 0 ? kFull : kNode;
             leafValues[leaf] = entryValue(s.value[0], leaf);
             if (const u64 left = countVoxels(s.leftOut))

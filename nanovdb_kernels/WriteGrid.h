@@ -59,8 +59,7 @@ public:
   /// Writes the nodes. `buffer`: the share's memory, of l.sizeHere bytes.
   void writeTree(u8* buffer, const BufferLayout& l, const Entries& leaves,
                  const LeafMasks& leafMasks, const u32* table, const LeafSummary* summaries,
-                 const Entries& lowers, const NodeMasks<4>& lowerMasks,
-                 const NodeMasks<5>& upperMasks) {
+                 const InternalNodes& nodes) {
     if (kind_ == Kind::Mask)
       writeFlatLeaves<sizeof(MaskLeaf) / 8>(buffer, l, leafMasks.mask);
     else if (kind_ == Kind::Boolean)
@@ -69,22 +68,21 @@ public:
       writeValueLeaves<Vector>(buffer, l, leafMasks.mask, table, summaries);
     else
       writeValueLeaves<u32>(buffer, l, leafMasks.mask, table, summaries);
-    writeInternal(buffer, l, leaves, lowers, lowerMasks, upperMasks);
+    writeInternal(buffer, l, leaves, nodes);
   }
 
-  /// Writes the nodes above leaves, which `buffer` has. `leaves` and `lowers` are needed where
-  /// values vary alone.
+  /// Writes the nodes above leaves, which `buffer` has. `leaves` and `nodes.lowers` are needed
+  /// where values vary alone.
   void writeInternal(u8* buffer, const BufferLayout& l, const Entries& leaves,
-                     const Entries& lowers, const NodeMasks<4>& lowerMasks,
-                     const NodeMasks<5>& upperMasks) {
+                     const InternalNodes& nodes) {
     totals_ = b_.template alloc<u64>(4);
     b_.zero(totals_, 4 * sizeof(u64));
     if (kind_ == Kind::Vec3f) {
-      writeNodes<4, Vector>(buffer, l, lowerMasks, leaves, lower_, leaf_);
-      writeNodes<5, Vector>(buffer, l, upperMasks, lowers, upper_, lower_);
+      writeNodes<4, Vector>(buffer, l, nodes.lowerMasks, leaves, lower_, leaf_);
+      writeNodes<5, Vector>(buffer, l, nodes.upperMasks, nodes.lowers, upper_, lower_);
     } else {
-      writeNodes<4, u32>(buffer, l, lowerMasks, leaves, lower_, leaf_);
-      writeNodes<5, u32>(buffer, l, upperMasks, lowers, upper_, lower_);
+      writeNodes<4, u32>(buffer, l, nodes.lowerMasks, leaves, lower_, leaf_);
+      writeNodes<5, u32>(buffer, l, nodes.upperMasks, nodes.lowers, upper_, lower_);
     }
   }
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Coverage with the slabs of the device or its twin, and that of the CPU.
+// Coverage by the device or its twin, and that of the CPU.
 #pragma once
 
 #include "Grids.h"
 #include "Meshes.h"
 #include "TriangleMeshes.h"
+#include "nanovdb_kernels/DeviceVoxelizer.h"
 #include "tetvdb/fields/Coverage.h"
+#include "tetvdb/volume/NanoGrids.h"
 #include "tetvdb/voxelize/Voxelize.h"
 
 #include <cstdint>
@@ -40,25 +42,38 @@ inline CoverageCase coveredBy(std::string name, const TetMesh& mesh,
   return {std::move(name), mesh.points, boundaryFaces(snapped, progress), transform};
 }
 
-/// A hash of the grid, and the sums.
+/// A hash of the grid, what is said of it, and the sums.
 struct Covered {
   std::string hash;
+  GridInfo info;
   CoverageSum sum;
 
   bool operator==(const Covered& o) const {
-    return hash == o.hash && sum.filled == o.sum.filled && sum.overlap == o.sum.overlap &&
-           sum.overlapVoxels == o.sum.overlapVoxels;
+    return hash == o.hash && info.volume == o.info.volume && info.leaves == o.info.leaves &&
+           info.activeTiles == o.info.activeTiles && sum.filled == o.sum.filled &&
+           sum.overlap == o.sum.overlap && sum.overlapVoxels == o.sum.overlapVoxels;
   }
 };
 
-inline Covered coveredWith(const CoverageCase& c, const SlabAdder& addSlabs) {
+inline Covered coveredByCpu(const CoverageCase& c) {
   Progress progress;
   Covered made;
   Volume volume;
-  volume.grids().all.push_back(
-      coverage(c.points, c.faces, c.transform, made.sum, progress, addSlabs));
+  volume.grids().all.push_back(coverage(c.points, c.faces, c.transform, made.sum, progress));
   made.hash = hash(volume);
+  made.info = describe(volume).front();
   return made;
+}
+
+/// `onDevice`: makes the grid of a nano::CoverageJob.
+template <typename OnDevice>
+Covered coveredBy(const CoverageCase& c, const OnDevice& onDevice) {
+  Progress progress;
+  const CoverageFaces faces(c.points, c.faces, c.transform, progress);
+  const nano::Result result = onDevice(faces.job());
+  Volume volume;
+  volume.grids().all.push_back(gridOfNano(result.bytes));
+  return {hash(volume), describeNano(result.bytes), result.counts.coverage};
 }
 
 /// `small`: without those of many voxels.

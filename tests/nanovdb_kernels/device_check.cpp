@@ -243,16 +243,18 @@ void madeBands(Device& device, bool small) {
         }));
 }
 
-// Coverage with the device's slabs against the CPU's.
+// Coverage against the CPU's, and the twin's bytes.
 template <typename Device>
 void madeCoverage(Device& device, bool small) {
+  nano::HostTwin twin;
   for (const CoverageCase& c : coverageCases(small))
     try {
-      const Covered there =
-          coveredWith(c, [&](const nano::CoverageJob& job, nano::CoverageReceiver& receiver) {
-            device.coverage(job, receiver);
-          });
-      expect(there == coveredWith(c, nullptr), c.name + ", coverage");
+      const Covered there = coveredBy(c, [&](const nano::CoverageJob& job) {
+        const nano::Result made = device.coverage(job);
+        expect(sameBytes(twin.coverage(job), made), c.name + ", coverage: twin");
+        return made;
+      });
+      expect(there == coveredByCpu(c), c.name + ", coverage");
     } catch (const std::exception& e) {
       expect(false, c.name + ", coverage: " + e.what());
     }

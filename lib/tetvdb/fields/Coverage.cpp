@@ -15,7 +15,6 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
-#include <tbb/task_arena.h>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
@@ -25,6 +24,7 @@ namespace tetvdb {
 namespace {
 
 using covered::CubePoints;
+using covered::ExactSum;
 using covered::SlabPart;
 using covered::SlabStack;
 using covered::SlabSums;
@@ -119,12 +119,6 @@ void requireClosed(const SlabStack& stack) {
     throw std::logic_error("the boundary does not close: volume was carried out of it");
 }
 
-void add(const CoverageSum& more, CoverageSum& sum) {
-  sum.filled += more.filled;
-  sum.overlap += more.overlap;
-  sum.overlapVoxels += more.overlapVoxels;
-}
-
 // Of stacks, in their order.
 openvdb::FloatGrid::Ptr gridOf(std::vector<std::vector<SlabPart>>& found,
                                const GridTransform& transform) {
@@ -158,22 +152,22 @@ struct CoverageParts::Parts {
   const FaceInSlab& first(std::size_t stack) const { return pairs.items[starts[stack]]; }
   /// Adds slabs zBegin <= z < zEnd of a stack to `out`; those below are made again where they are
   /// not what was done last.
-  CoverageSum run(std::size_t stack, std::int32_t zBegin, std::int32_t zEnd, StackState& state,
-                  std::vector<SlabPart>& out);
+  ExactSum run(std::size_t stack, std::int32_t zBegin, std::int32_t zEnd, StackState& state,
+               std::vector<SlabPart>& out);
 
   const Boundary& faces;
   GridTransform transform;
   CubePoints cubes;
   GroupedItems<FaceInSlab> pairs;
   std::vector<std::size_t> starts; ///< of stacks
-  CoverageSum sum;
+  ExactSum sum;
   NodeIndex column{0, 0, 0}; ///< of cubes, that `states` are of
   std::unordered_map<std::size_t, StackState> states;
   tbb::enumerable_thread_specific<SlabVolumes> volumes;
 };
 
-CoverageSum CoverageParts::Parts::run(std::size_t stack, std::int32_t zBegin, std::int32_t zEnd,
-                                      StackState& state, std::vector<SlabPart>& out) {
+ExactSum CoverageParts::Parts::run(std::size_t stack, std::int32_t zBegin, std::int32_t zEnd,
+                                   StackState& state, std::vector<SlabPart>& out) {
   const FaceInSlab* const own = pairs.items.data() + starts[stack];
   const std::size_t count = starts[stack + 1] - starts[stack];
   if (state.next > 0 && state.z > zBegin)
@@ -218,8 +212,8 @@ void CoverageParts::begin() {
   parts_->sum = {};
 }
 
-const CoverageSum& CoverageParts::sum() const {
-  return parts_->sum;
+CoverageSum CoverageParts::sum() const {
+  return parts_->sum.inVoxels();
 }
 
 openvdb::FloatGrid::Ptr CoverageParts::grid(const NodeBox& box, Progress& progress) {
@@ -247,136 +241,74 @@ openvdb::FloatGrid::Ptr CoverageParts::grid(const NodeBox& box, Progress& progre
   for (const std::size_t stack : stacks)
     states.push_back(&all.states[stack]);
   std::vector<std::vector<SlabPart>> found(stacks.size());
-  std::vector<CoverageSum> sums(stacks.size());
+  std::vector<ExactSum> sums(stacks.size());
   tbb::parallel_for(std::size_t(0), stacks.size(), [&](std::size_t i) {
     progress.check();
     sums[i] = all.run(stacks[i], box.low[2], box.high[2], *states[i], found[i]);
   });
-  for (const CoverageSum& sum : sums)
-    add(sum, all.sum);
+  for (const ExactSum& sum : sums)
+    all.sum.add(sum);
   return gridOf(found, all.transform);
 }
 
-namespace {
-
-// Stacks whose slabs come from elsewhere, in the order of the pairs.
-class StackReceiver final : public nano::CoverageReceiver {
-public:
-  StackReceiver(const CubePoints& points, const Boundary& faces,
-                const GroupedItems<FaceInSlab>& pairs, const std::vector<std::size_t>& stacks,
-                std::vector<std::vector<SlabPart>>& found, std::vector<CoverageSum>& sums,
-                Progress& progress)
-      : points_(points), faces_(faces), pairs_(pairs), stacks_(stacks), found_(found), sums_(sums),
-        progress_(progress) {}
-
-  nano::CoverageJob job() const {
-    static_assert(sizeof(BoundaryFace) == 4 * sizeof(std::uint32_t));
-    nano::CoverageJob job;
-    job.points = points_.data();
-    job.pointCount = points_.size();
-    job.faces = &faces_.faces.front().a;
-    job.faceCount = faces_.faces.size();
-    job.pairs = pairs_.items.data();
-    job.starts = pairs_.starts.data();
-    job.slabCount = pairs_.groupCount();
-    return job;
-  }
-
-  void take(const nano::CoverageBatch& batch) override {
-    progress_.update(static_cast<double>(batch.firstSlab) /
-                     static_cast<double>(pairs_.groupCount()));
-    // The stacks of the batch: the first may have begun before it, the last may go on beyond.
-    struct Run {
-      std::uint64_t begin, end; // slabs
-    };
-    std::vector<Run> runs;
-    for (std::uint64_t slab = batch.firstSlab; slab < batch.firstSlab + batch.slabCount; ++slab)
-      if (!runs.empty() && at(slab).sameStack(at(slab - 1)))
-        runs.back().end = slab + 1;
-      else
-        runs.push_back({slab, slab + 1});
-    std::unique_ptr<SlabStack> unfinished;
-    const auto run = [&](std::size_t i) {
-      const auto [begin, end] = runs[i];
-      const std::size_t stack = stackOf(begin);
-      std::unique_ptr<SlabStack> own = i == 0 ? std::move(unfinished_) : nullptr;
-      if (own == nullptr)
-        own = std::make_unique<SlabStack>(points_, faces_, found_[stack]);
-      for (std::uint64_t slab = begin; slab < end; ++slab)
-        addSlab(batch, slab, *own);
-      if (pairs_.starts[end] < stacks_[stack + 1]) {
-        unfinished = std::move(own);
-      } else {
-        requireClosed(*own);
-        sums_[stack] = own->sum();
-      }
-    };
-    arena_.execute([&] { tbb::parallel_for(std::size_t(0), runs.size(), run); });
-    unfinished_ = std::move(unfinished);
-  }
-
-private:
-  const FaceInSlab& at(std::uint64_t slab) const { return pairs_.firstOf(slab); }
-  std::size_t stackOf(std::uint64_t slab) const {
-    const auto after = std::upper_bound(stacks_.begin(), stacks_.end(), pairs_.starts[slab]);
-    return static_cast<std::size_t>(after - stacks_.begin()) - 1;
-  }
-  void addSlab(const nano::CoverageBatch& batch, std::uint64_t slab, SlabStack& stack) const {
-    const FaceInSlab& here = at(slab);
-    if (slab > 0 && here.sameStack(at(slab - 1)))
-      stack.fill(here, at(slab - 1).z + 1, here.z);
-    SlabSums sums{};
-    const std::uint64_t* const starts = batch.starts + (slab - batch.firstSlab);
-    for (std::uint64_t i = starts[0]; i < starts[1]; ++i)
-      sums[batch.leaves[i]] = batch.sums + i * kSumsOfLeaf;
-    stack.build(here, here.z, sums);
-  }
-
-  const CubePoints& points_;
-  const Boundary& faces_;
-  const GroupedItems<FaceInSlab>& pairs_;
-  const std::vector<std::size_t>& stacks_;
-  std::vector<std::vector<SlabPart>>& found_;
-  std::vector<CoverageSum>& sums_;
-  Progress& progress_;
-  std::unique_ptr<SlabStack> unfinished_;            // the last of a batch
-  tbb::task_arena arena_{tbb::task_arena::attach()}; // the caller's, also for a device
+struct CoverageFaces::Placed {
+  CubePoints cubes;
+  GroupedItems<FaceInSlab> pairs;
 };
 
-} // namespace
+CoverageFaces::CoverageFaces(const std::vector<Vec3d>& points, const Boundary& faces,
+                             const GridTransform& transform, Progress& progress)
+    : faces_(faces), transform_(transform), placed_(std::make_unique<Placed>()) {
+  placed_->cubes = cubePoints(points, transform);
+  placed_->pairs = facesBySlab(placed_->cubes, faces, progress);
+}
+CoverageFaces::~CoverageFaces() = default;
+
+nano::CoverageJob CoverageFaces::job() const {
+  static_assert(sizeof(BoundaryFace) == 4 * sizeof(std::uint32_t));
+  nano::CoverageJob job;
+  job.points = placed_->cubes.data();
+  job.pointCount = placed_->cubes.size();
+  job.faces = reinterpret_cast<const std::uint32_t*>(faces_.faces.data());
+  job.faceCount = faces_.faces.size();
+  job.pairs = placed_->pairs.items.data();
+  job.starts = placed_->pairs.starts.data();
+  job.slabCount = placed_->pairs.groupCount();
+  for (std::size_t k = 0; k < 3; ++k) {
+    job.voxelSize[k] = transform_.voxelSize[k];
+    job.origin[k] = transform_.origin[k];
+  }
+  return job;
+}
 
 openvdb::FloatGrid::Ptr coverage(const std::vector<Vec3d>& points, const Boundary& faces,
                                  const GridTransform& transform, CoverageSum& sum,
-                                 Progress& progress, const SlabAdder& addSlabs) {
+                                 Progress& progress) {
   const CubePoints cubes = cubePoints(points, transform);
   const GroupedItems<FaceInSlab> pairs = facesBySlab(cubes, faces, progress);
   const std::vector<std::size_t> starts = stackStarts(pairs);
   std::vector<std::vector<SlabPart>> found(starts.size() - 1);
-  std::vector<CoverageSum> sums(starts.size() - 1);
-  if (addSlabs != nullptr && !pairs.items.empty()) {
-    StackReceiver receiver(cubes, faces, pairs, starts, found, sums, progress);
-    addSlabs(receiver.job(), receiver);
-  } else {
-    tbb::enumerable_thread_specific<SlabVolumes> volumes;
-    std::atomic<std::size_t> done{0};
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, found.size(), 1),
-        [&](const auto& range) {
-          for (std::size_t i = range.begin(); i != range.end(); ++i) {
-            SlabStack stack(cubes, faces, found[i]);
-            stack.run(pairs.items.data() + starts[i], pairs.items.data() + starts[i + 1],
-                      volumes.local());
-            requireClosed(stack);
-            sums[i] = stack.sum();
-            progress.update(static_cast<double>(++done) / static_cast<double>(found.size()));
-          }
-        },
-        tbb::simple_partitioner());
-  }
+  std::vector<ExactSum> sums(starts.size() - 1);
+  tbb::enumerable_thread_specific<SlabVolumes> volumes;
+  std::atomic<std::size_t> done{0};
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, found.size(), 1),
+      [&](const auto& range) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          SlabStack stack(cubes, faces, found[i]);
+          stack.run(pairs.items.data() + starts[i], pairs.items.data() + starts[i + 1],
+                    volumes.local());
+          requireClosed(stack);
+          sums[i] = stack.sum();
+          progress.update(static_cast<double>(++done) / static_cast<double>(found.size()));
+        }
+      },
+      tbb::simple_partitioner());
 
-  sum = {};
-  for (const CoverageSum& own : sums)
-    add(own, sum);
+  ExactSum exact;
+  for (const ExactSum& own : sums)
+    exact.add(own);
+  sum = exact.inVoxels();
   return gridOf(found, transform);
 }
 

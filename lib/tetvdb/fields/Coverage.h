@@ -9,7 +9,6 @@
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -17,14 +16,10 @@ namespace tetvdb {
 
 namespace nano {
 struct CoverageJob;
-class CoverageReceiver;
-} // namespace nano
+}
 
 /// Fractions closer than this to 0 or 1 are set to 0 or 1.
 constexpr double kCoverageError = 0x1p-32;
-
-/// Adds up the volumes of slabs elsewhere, e.g. DeviceVoxelizer::coverage().
-using SlabAdder = std::function<void(const nano::CoverageJob&, nano::CoverageReceiver&)>;
 
 /// Returns a float fog "coverage": the share of each voxel's cube, centred on the sample, that is
 /// inside. `points` are in world space and are not snapped. `faces` must be closed. With N(p) the
@@ -32,14 +27,34 @@ using SlabAdder = std::function<void(const nano::CoverageJob&, nano::CoverageRec
 /// a voxel's value is the integral of N over its cube, limited to 0 to 1. Active where it is not
 /// 0; 1 inside, as tiles; background 0. Values are correct within kCoverageError and the rounding
 /// to a float, up or down: of the two floats next to a fraction, the one that minimizes the
-/// accumulated error is used, so that the sum of values is the volume of the mesh to about 1e-7
-/// voxel per 8 x 128 columns of voxels that the solid's surface meets. The result depends on the
-/// faces as a set, not on the number of threads. Voxels may be non-cubic. The accuracy is lower
-/// for faces that are millions of voxels long. Cost: about 100 ns per pair of a voxel and a face
-/// that meet. `addSlabs`: where slabs are added up; null: here.
+/// leaf's accumulated error is used, so that the sum of a leaf's values is right to about 1e-7. The
+/// result depends on the faces as a set, not on the number of threads. Voxels may be non-cubic. The
+/// accuracy is lower for faces that are millions of voxels long. Cost: about 100 ns per pair of a
+/// voxel and a face that meet.
 openvdb::FloatGrid::Ptr coverage(const std::vector<Vec3d>& points, const Boundary& faces,
                                  const GridTransform& transform, CoverageSum& sum,
-                                 Progress& progress, const SlabAdder& addSlabs = nullptr);
+                                 Progress& progress);
+
+/// Its faces, placed among slabs, for DeviceVoxelizer::coverage().
+class CoverageFaces {
+public:
+  /// `faces` must outlive it. Parallel; 24 bytes a point and 16 a pair of a face and a slab of
+  /// 8 x 128 x 128 voxels.
+  CoverageFaces(const std::vector<Vec3d>& points, const Boundary& faces,
+                const GridTransform& transform, Progress& progress);
+  ~CoverageFaces();
+  CoverageFaces(const CoverageFaces&) = delete;
+  CoverageFaces& operator=(const CoverageFaces&) = delete;
+
+  /// Refers to this.
+  nano::CoverageJob job() const;
+
+private:
+  struct Placed;
+  const Boundary& faces_;
+  const GridTransform transform_;
+  std::unique_ptr<Placed> placed_;
+};
 
 /// The same grid, box by box. What is carried upward is kept for one column of 4096^3 cubes: 16 to
 /// 8208 bytes a stack of slabs.
@@ -59,7 +74,7 @@ public:
 
   /// Begins anew: sum() is that of the boxes from now on.
   void begin();
-  const CoverageSum& sum() const;
+  CoverageSum sum() const;
 
 private:
   struct Parts;

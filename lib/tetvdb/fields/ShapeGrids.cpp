@@ -13,6 +13,7 @@
 #include "tetvdb/fields/WholeBoxLevelSet.h"
 #include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/volume/Grids.h"
+#include "tetvdb/volume/NanoGrids.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 #include "tetvdb/voxelize/BoundaryRaster.h"
 #include "tetvdb/voxelize/RunOnDevice.h"
@@ -56,10 +57,6 @@ void requireTreeMemory(const ShapeSolid& solid, const ShapeOptions& options) {
 openvdb::FloatGrid::Ptr coverageOf(const ShapeSolid& solid, const GridTransform& transform,
                                    const ShapeOptions& options, ShapeSums& sums, StageTimer& timer,
                                    Report& report, Progress& progress) {
-  const auto make = [&](const SlabAdder& addSlabs) {
-    timer.part("coverage");
-    return coverage(solid.points, solid.faces, transform, sums.coverage, progress, addSlabs);
-  };
   DeviceQuestion question;
   question.cost = [&] {
     return estimateCoverageCost(estimateBandLeaves(solid.mesh, solid.faces, 0),
@@ -68,13 +65,20 @@ openvdb::FloatGrid::Ptr coverageOf(const ShapeSolid& solid, const GridTransform&
   openvdb::FloatGrid::Ptr grid = runOnDevice(
       options.device, question, sums.coverageDevice, report,
       [&](const auto& start) {
+        timer.part("coverage");
+        const CoverageFaces faces(solid.points, solid.faces, transform, progress);
         timer.part("start");
         const BorrowedDevices devices = start();
-        return make([&](const nano::CoverageJob& job, nano::CoverageReceiver& receiver) {
-          devices->coverage(job, receiver, progress);
-        });
+        timer.part("coverage");
+        const nano::Result made = devices->coverage(faces.job(), progress);
+        sums.coverage = made.counts.coverage;
+        timer.part("tree");
+        return openvdb::gridPtrCast<openvdb::FloatGrid>(gridOfNano(made.bytes));
       },
-      [&] { return make(nullptr); });
+      [&] {
+        timer.part("coverage");
+        return coverage(solid.points, solid.faces, transform, sums.coverage, progress);
+      });
   warnOfOverlap(sums.coverage, report);
   return grid;
 }

@@ -10,7 +10,6 @@
 #include "tetvdb/geometry/SlabVolume.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
-#include "tetvdb/voxelize/Slab.h"
 
 #include <algorithm>
 #include <array>
@@ -24,10 +23,7 @@ namespace tetvdb::covered {
 
 using FloatLeaf = openvdb::FloatTree::LeafNodeType;
 
-inline constexpr int kColumnsInLeaf = kLeafSize * kLeafSize;
-
 inline constexpr std::int64_t kWhole = kWholeVolume;
-inline constexpr std::int64_t kSnap = kWhole >> 32;
 
 // Points in coordinates in which the cube of voxel i is [i, i + 1]. They are not snapped, since no
 // decisions are made here, and the volume is that of the mesh itself.
@@ -72,28 +68,20 @@ struct SlabPart {
   std::vector<std::pair<std::uint16_t, std::unique_ptr<FloatLeaf>>> leaves; // null: a full one
 };
 
-inline std::int64_t snapped(std::int64_t volume) {
-  const std::int64_t nearest = (volume + kWhole / 2) & -kWhole;
-  return std::abs(volume - nearest) <= kSnap ? nearest : volume;
-}
+// What CoverageSum is made of, without errors of rounding.
+struct ExactSum {
+  Int128 filled = 0, overlap = 0;
+  std::uint64_t overlapVoxels = 0;
 
-// Rounds fractions to floats so that the sum is preserved.
-class Rounding {
-public:
-  float operator()(double fraction) {
-    const auto nearest = static_cast<float>(fraction);
-    const double error = static_cast<double>(nearest) - fraction;
-    if (error == 0)
-      return nearest;
-    const float other = std::nextafter(nearest, error > 0 ? 0.0f : 1.0f);
-    const double otherError = static_cast<double>(other) - fraction;
-    const bool first = std::abs(off_ + error) <= std::abs(off_ + otherError);
-    off_ += first ? error : otherError;
-    return first ? nearest : other;
+  void add(const ExactSum& more) {
+    filled += more.filled;
+    overlap += more.overlap;
+    overlapVoxels += more.overlapVoxels;
   }
-
-private:
-  double off_ = 0;
+  CoverageSum inVoxels() const {
+    return {static_cast<double>(filled) / static_cast<double>(kWhole),
+            static_cast<double>(overlap) / static_cast<double>(kWhole), overlapVoxels};
+  }
 };
 
 // What a stack of slabs needs to be continued.
@@ -102,24 +90,21 @@ struct StackState {
   std::int32_t z = 0;     // the first node that is not done, once there is one
   std::int64_t below = 0; // the carry of all columns where the following are empty
   std::vector<std::int64_t> carry;
-  Rounding rounding;
 };
 
 // The slabs at one position in x and y, in order of z.
 class SlabStack {
 public:
   SlabStack(const CubePoints& points, const Boundary& boundary, std::vector<SlabPart>& parts)
-      : points_(points), boundary_(boundary), parts_(parts), carry_(kSlabRows, 0) {}
+      : points_(points), boundary_(boundary), parts_(parts), carry_(kColumnsInSlab, 0) {}
 
   void resume(const StackState& state) {
-    rounding_ = state.rounding;
     if (state.carry.empty())
       std::fill(carry_.begin(), carry_.end(), state.below);
     else
       carry_ = state.carry;
   }
   void suspend(StackState& state) const {
-    state.rounding = rounding_;
     state.below = carry_[0];
     state.carry.clear();
     if (!uniform(carry_.data(), carry_[0], carry_.size()))
@@ -151,7 +136,7 @@ public:
     for (std::int32_t z = zBegin; z < zEnd; ++z) {
       if (same && carry_[0] == kWhole) {
         parts_.push_back({{at.x >> 4, at.y, z}, at.x & 15, true, {}});
-        filled_ += Int128(kWhole) * kSlabRows * kNodeSize;
+        sum_.filled += Int128(kWhole) * kColumnsInSlab * kNodeSize;
       } else {
         build(at, z, {});
       }
@@ -172,7 +157,7 @@ public:
           continue;
         const auto offset = static_cast<std::uint16_t>((part.slab << 8) | leaf);
         if (!touched && uniform(carry, kWhole)) {
-          filled_ += Int128(kWhole) * kVoxelsInLeaf;
+          sum_.filled += Int128(kWhole) * kVoxelsInLeaf;
           part.leaves.emplace_back(offset, nullptr);
           continue;
         }
@@ -187,15 +172,12 @@ public:
       parts_.push_back(std::move(part));
   }
 
-  CoverageSum sum() const {
-    return {static_cast<double>(filled_) / static_cast<double>(kWhole),
-            static_cast<double>(overlap_) / static_cast<double>(kWhole), overlapVoxels_};
-  }
+  const ExactSum& sum() const { return sum_; }
 
   /// Whether the faces are closed: the value carried beyond the last is only rounding error.
   bool closes() const {
     return std::all_of(carry_.begin(), carry_.end(),
-                       [](std::int64_t c) { return std::abs(c) < kWhole >> 20; });
+                       [](std::int64_t c) { return std::abs(c) < kOpenVolume; });
   }
 
 private:
@@ -212,31 +194,17 @@ private:
     return std::all_of(carry, carry + count, [value](std::int64_t c) { return c == value; });
   }
 
-  // Volumes of a column of a leaf. `carry` is the sum below it, and is set to that below the next
-  // leaf.
-  static void sumColumn(const std::int64_t* volume, std::int64_t& carry, std::int64_t* out) {
-    if (volume == nullptr) {
-      std::fill_n(out, kLeafSize, snapped(carry));
-      return;
-    }
-    for (int z = 0; z < kLeafSize; ++z) {
-      out[z] = snapped(carry + volume[z]);
-      carry += volume[kVoxelsInLeaf + z];
-    }
-    carry = snapped(carry);
-  }
-
   void addLeaf(const openvdb::Coord& origin, std::uint16_t offset, std::int64_t* volume,
                SlabPart& part) {
     bool empty = true, full = true;
     for (int i = 0; i < kVoxelsInLeaf; ++i) {
       if (volume[i] > kWhole) {
-        overlap_ += volume[i] - kWhole;
-        ++overlapVoxels_;
+        sum_.overlap += volume[i] - kWhole;
+        ++sum_.overlapVoxels;
         volume[i] = kWhole;
       }
       volume[i] = std::max<std::int64_t>(volume[i], 0);
-      filled_ += volume[i];
+      sum_.filled += volume[i];
       empty = empty && volume[i] == 0;
       full = full && volume[i] == kWhole;
     }
@@ -249,12 +217,12 @@ private:
     auto leaf = std::make_unique<FloatLeaf>(openvdb::PartialCreate(), origin, 0.0f, false);
     leaf->allocate();
     float* values = leaf->buffer().data();
+    ShareRounding rounded;
     for (openvdb::Index x = 0; x < kLeafSize; ++x) {
       std::uint64_t active = 0;
       for (openvdb::Index i = 0; i < kColumnsInLeaf; ++i) {
         const std::int64_t v = volume[x * kColumnsInLeaf + i];
-        values[x * kColumnsInLeaf + i] =
-            rounding_(static_cast<double>(v) / static_cast<double>(kWhole));
+        values[x * kColumnsInLeaf + i] = rounded(v);
         active |= static_cast<std::uint64_t>(v != 0) << i;
       }
       leaf->getValueMask().getWord<openvdb::Index64>(x) = active;
@@ -265,11 +233,8 @@ private:
   const CubePoints& points_;
   const Boundary& boundary_;
   std::vector<SlabPart>& parts_;
-  // For column (x, y): [(y / 8) * 64 + x * 8 + y % 8], leaf by leaf.
-  std::vector<std::int64_t> carry_;
-  Rounding rounding_;
-  Int128 filled_ = 0, overlap_ = 0;
-  std::uint64_t overlapVoxels_ = 0;
+  std::vector<std::int64_t> carry_; // by column (SlabVolume.h)
+  ExactSum sum_;
 };
 
 } // namespace tetvdb::covered

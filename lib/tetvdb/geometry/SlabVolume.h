@@ -20,10 +20,18 @@ namespace tetvdb {
 
 /// A voxel's volume is so many. Up to 2^17 solids may overlap.
 constexpr std::int64_t kWholeVolume = std::int64_t(1) << 46;
+/// Sums as near as this to whole volumes are whole.
+constexpr std::int64_t kSnapVolume = kWholeVolume >> 32;
+/// What closed faces may leave above the last of them: rounding errors.
+constexpr std::int64_t kOpenVolume = kWholeVolume >> 20;
 
 constexpr int kLeavesInSlab = (kNodeSize / kLeafSize) * (kNodeSize / kLeafSize); ///< y, z
 /// A leaf's volumes, [(x * 8 + y) * 8 + z], and then its areas.
 constexpr int kSumsOfLeaf = 2 * kLeafSize * kLeafSize * kLeafSize;
+
+/// Columns of a slab, leaf by leaf: (x, y) at y / 8 * 64 + x * 8 + y % 8.
+constexpr int kColumnsInLeaf = kLeafSize * kLeafSize;
+constexpr int kColumnsInSlab = kColumnsInLeaf * (kNodeSize / kLeafSize);
 
 /// A slab of a node, and a face that may pass through it. x in slabs of 8, y and z in nodes.
 struct FaceInSlab {
@@ -33,7 +41,7 @@ struct FaceInSlab {
     return std::tie(x, y, z, face) < std::tie(o.x, o.y, o.z, o.face);
   }
   Vec3i key() const { return {x, y, z}; }
-  bool sameStack(const FaceInSlab& o) const { return x == o.x && y == o.y; }
+  TETVDB_HD bool sameStack(const FaceInSlab& o) const { return x == o.x && y == o.y; }
 };
 
 /// A corner relative to the slab's first cube. `point`: in coordinates in which the cube of voxel i
@@ -92,5 +100,43 @@ TETVDB_HD TETVDB_INLINE void addSlice(int x, const Polygon& slice, double sign, 
     });
   });
 }
+
+TETVDB_HD inline std::int64_t snapped(std::int64_t volume) {
+  const std::int64_t nearest = (volume + kWholeVolume / 2) & -kWholeVolume, off = volume - nearest;
+  return off >= -kSnapVolume && off <= kSnapVolume ? nearest : volume;
+}
+
+/// Volumes of a column of a leaf, which may be below 0 or above one. `sums`: the leaf's, from the
+/// column's first voxel on; null where no face meets it. `carry` is the volume that the faces below
+/// add to each voxel, and is set to that of the next leaf.
+TETVDB_HD inline void sumColumn(const std::int64_t* sums, std::int64_t& carry, std::int64_t* out) {
+  for (int z = 0; z < kLeafSize; ++z) {
+    out[z] = snapped(sums == nullptr ? carry : carry + sums[z]);
+    if (sums != nullptr)
+      carry += sums[kSumsOfLeaf / 2 + z];
+  }
+  carry = snapped(carry);
+}
+
+/// Rounds the fractions of a leaf, in order, so that their sum is kept: of the two floats next to
+/// one, the float that brings the sum of the errors nearer to 0.
+class ShareRounding {
+public:
+  TETVDB_HD float operator()(std::int64_t volume) {
+    const double fraction = static_cast<double>(volume) / static_cast<double>(kWholeVolume);
+    const auto nearest = static_cast<float>(fraction);
+    const double error = static_cast<double>(nearest) - fraction;
+    if (error == 0)
+      return nearest;
+    const float other = ::nextafterf(nearest, error > 0 ? 0.0F : 1.0F);
+    const double otherError = static_cast<double>(other) - fraction;
+    const bool first = std::abs(off_ + error) <= std::abs(off_ + otherError);
+    off_ += first ? error : otherError;
+    return first ? nearest : other;
+  }
+
+private:
+  double off_ = 0;
+};
 
 } // namespace tetvdb

@@ -16,7 +16,7 @@ std::vector<NanoBytes>* nanoPlace(const VoxelizeJob& job, std::vector<NanoBytes>
   const auto byDevice = [&](GridKind kind) {
     const GridMaker maker = infoOf(kind).maker;
     return maker == GridMaker::Occupancy || maker == GridMaker::Owner ||
-           (maker == GridMaker::Distance && !isWholeBox(job));
+           maker == GridMaker::Share || (maker == GridMaker::Distance && !isWholeBox(job));
   };
   return std::filesystem::path(job.output).extension() == ".nvdb" && job.tileSize == 0 &&
                  job.levels.isEmpty() &&
@@ -26,12 +26,12 @@ std::vector<NanoBytes>* nanoPlace(const VoxelizeJob& job, std::vector<NanoBytes>
              : nullptr;
 }
 
-bool addLevelSets(std::vector<NanoBytes>& nano, bool keepMask,
-                  const std::function<std::vector<NanoBytes>()>& makeLevelSets,
-                  Voxelization& made) {
+bool addDeviceShapes(std::vector<NanoBytes>& nano, bool keepMask,
+                     const std::function<std::vector<NanoBytes>()>& makeOnDevice,
+                     Voxelization& made) {
   // It is in memory that the device is about to use again.
   nano.back() = copyOf(nano.back());
-  const std::vector<NanoBytes> grids = makeLevelSets();
+  const std::vector<NanoBytes> grids = makeOnDevice();
   if (grids.empty()) {
     makeTrees(nano, made);
     return false;

@@ -16,11 +16,12 @@ namespace tetvdb {
 /// `nano` where all grids of the job can be written as a device makes them, else null.
 std::vector<NanoBytes>* nanoPlace(const VoxelizeJob& job, std::vector<NanoBytes>& nano);
 
-/// Adds the grids of makeLevelSets(), which the device makes, to its other grids, of which the last
-/// is the mask that is not wanted unless `keepMask`. If makeLevelSets() returns none, the grids
+/// Adds the grids of makeOnDevice(), which the device makes, to its other grids, of which the last
+/// is the mask that is not wanted unless `keepMask`. If makeOnDevice() returns none, the grids
 /// become those of `made` in place of `nano`. Returns whether there are some.
-bool addLevelSets(std::vector<NanoBytes>& nano, bool keepMask,
-                  const std::function<std::vector<NanoBytes>()>& makeLevelSets, Voxelization& made);
+bool addDeviceShapes(std::vector<NanoBytes>& nano, bool keepMask,
+                     const std::function<std::vector<NanoBytes>()>& makeOnDevice,
+                     Voxelization& made);
 
 /// Makes OpenVDB's grids of `nano`, which becomes empty, and adds them to `made`.
 void makeTrees(std::vector<NanoBytes>& nano, Voxelization& made);

@@ -4,9 +4,9 @@
 #include "tetvdb/core/ClosestName.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/InArena.h"
-#include "tetvdb/fields/LevelSetOnDevice.h"
 #include "tetvdb/fields/NeededArrays.h"
 #include "tetvdb/fields/SampleOnDevice.h"
+#include "tetvdb/fields/ShapesOnDevice.h"
 #include "tetvdb/fields/SmoothCells.h"
 #include "tetvdb/io/MeshWriter.h"
 #include "tetvdb/io/TileFiles.h"
@@ -207,12 +207,12 @@ Volume makeVolume(const VoxelizeJob& job, const std::vector<NanoBytes>& nano,
 }
 
 // The grids of `voxelizeMesh` and then those of shapesOf(job), which `addShapes` makes with the
-// mask, or `makeLevelSets` on the device that has made the others, which are in `nano` then. A thin
+// mask, or `makeOnDevice` on the device that has made the others, which are in `nano` then. A thin
 // mesh can fill parts of voxels, and none of their centres.
-template <typename Voxelize, typename AddShapes, typename MakeLevelSets>
+template <typename Voxelize, typename AddShapes, typename MakeOnDevice>
 Voxelization withShapes(const VoxelizeJob& job, VoxelizeOptions options,
                         const Voxelize& voxelizeMesh, const AddShapes& addShapes,
-                        const MakeLevelSets& makeLevelSets, std::vector<NanoBytes>* nano) {
+                        const MakeOnDevice& makeOnDevice, std::vector<NanoBytes>* nano) {
   ShapeOptions shapes = shapesOf(job);
   if (shapes.grids.empty())
     return voxelizeMesh(options);
@@ -228,8 +228,8 @@ Voxelization withShapes(const VoxelizeJob& job, VoxelizeOptions options,
   if (const int side = job.voxelize.fit.voxels; side > 0)
     shapes.box = VoxelBox{{0, 0, 0}, {side - 1, side - 1, side - 1}};
   if (nano != nullptr && !nano->empty() &&
-      addLevelSets(
-          *nano, hasMask, [&] { return makeLevelSets(shapes, made.transform); }, made))
+      addDeviceShapes(
+          *nano, hasMask, [&] { return makeOnDevice(shapes, made.transform); }, made))
     return made;
   addShapes(shapes, made);
   openvdb::GridPtrVec& grids = made.volume.grids().all;
@@ -270,7 +270,7 @@ Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
           result.shapes = addShapeGrids(mesh, shapes, sofar, report, progress);
         },
         [&](const ShapeOptions& shapes, const GridTransform& transform) {
-          return levelSetsOnDevice(mesh, transform, shapes, result.shapes, report, progress);
+          return shapesOnDevice(mesh, transform, shapes, result.shapes, report, progress);
         },
         nano);
   }
@@ -489,10 +489,10 @@ private:
                                     : addShapes(shapes, made);
         },
         [&](const ShapeOptions& shapes, const GridTransform& transform) {
-          return byTets() ? levelSetsOnDevice(tets_, transform, shapes, result_.shapes, report_,
-                                              progress_)
-                          : levelSetsOnDevice(meshes_.front(), job_.solid, transform, shapes,
-                                              result_.shapes, report_, progress_);
+          return byTets()
+                     ? shapesOnDevice(tets_, transform, shapes, result_.shapes, report_, progress_)
+                     : shapesOnDevice(meshes_.front(), job_.solid, transform, shapes,
+                                      result_.shapes, report_, progress_);
         },
         nanoPlace(job_, nano_));
   }

@@ -3,11 +3,13 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/NanoVdb.h"
+#include "tetvdb/volume/GridStatistics.h"
 #include "tetvdb/volume/NodeBytes.h"
 #include "tetvdb/volume/PackedRange.h"
 
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 #include <memory>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -119,6 +121,51 @@ private:
   Value background_;
 };
 
+// Calls visit(child) for a node's children, in order; visit(value) for its active tiles.
+template <typename Node, typename Visit>
+void forChildren(const Node& node, const Visit& visit) {
+  for (std::uint32_t n = 0; n < std::size(node.mTable); ++n)
+    if (node.mChildMask.isOn(n))
+      visit(*node.getChild(n)->data());
+}
+template <typename Node, typename Visit>
+void forTiles(const Node& node, const Visit& visit) {
+  for (std::uint32_t n = 0; n < std::size(node.mTable); ++n)
+    if (!node.mChildMask.isOn(n) && node.mValueMask.isOn(n))
+      visit(static_cast<double>(node.getValue(n)));
+}
+
+// The sum of all active values, in describe()'s order.
+double sumOfActive(const nanovdb::NanoGrid<float>& grid) {
+  const auto& root = *grid.tree().root().data();
+  std::vector<const nanovdb::NanoUpper<float>::DataType*> uppers;
+  std::vector<const nanovdb::NanoLower<float>::DataType*> lowers;
+  for (std::uint32_t i = 0; i < root.mTableSize; ++i) {
+    if (root.tile(i)->isValue())
+      continue;
+    uppers.push_back(root.getChild(root.tile(i))->data());
+    forChildren(*uppers.back(), [&](const auto& lower) { lowers.push_back(&lower); });
+  }
+  std::vector<double> sums(lowers.size());
+  tbb::parallel_for(std::size_t(0), sums.size(), [&](std::size_t i) {
+    forChildren(*lowers[i], [&](const auto& leaf) {
+      for (std::uint32_t v = 0; v < std::size(leaf.mValues); ++v)
+        if (leaf.mValueMask.isOn(v))
+          sums[i] += static_cast<double>(leaf.mValues[v]);
+    });
+    forTiles(*lowers[i], [&](double value) { sums[i] += value * 0x1p9; });
+  });
+  double sum = 0;
+  for (const double part : sums)
+    sum += part;
+  for (const auto* upper : uppers)
+    forTiles(*upper, [&](double value) { sum += value * 0x1p21; });
+  for (std::uint32_t i = 0; i < root.mTableSize; ++i)
+    if (const auto& tile = *root.tile(i); tile.isValue() && tile.state != 0)
+      sum += static_cast<double>(tile.value) * 0x1p36;
+  return sum;
+}
+
 // Calls f(grid, tree) with the typed grid at `bytes` and a null pointer to OpenVDB's type of its
 // tree.
 template <typename F>
@@ -201,8 +248,11 @@ GridInfo describeNano(const unsigned char* bytes, std::uint64_t insideVoxels) {
       return info;
     const openvdb::GridBase& head = *empty.grids().all.front();
     const bool levelSet = head.getGridClass() == openvdb::GRID_LEVEL_SET;
-    info.volume = static_cast<double>(levelSet ? insideVoxels : info.activeVoxels) *
-                  head.transform().voxelVolume();
+    auto inside = static_cast<double>(levelSet ? insideVoxels : info.activeVoxels);
+    if constexpr (std::is_same_v<Value, float>)
+      if (holdsShares(head.getName()))
+        inside = sumOfActive(nano);
+    info.volume = inside * head.transform().voxelVolume();
     const auto box = root.mBBox;
     info.boxMin = {box.min()[0], box.min()[1], box.min()[2]};
     info.boxMax = {box.max()[0], box.max()[1], box.max()[2]};

@@ -23,7 +23,7 @@ std::pair<unsigned char*, NanoBytes> newNanoBytes(std::size_t size);
 NanoBytes copyOf(const NanoBytes& grid);
 
 /// The result of describe() for gridOfNano(bytes), from the counts in the buffer's head: no node is
-/// read. `insideVoxels`: of a level set.
+/// read but for shares (holdsShares()), whose sum is the volume. `insideVoxels`: of a level set.
 GridInfo describeNano(const unsigned char* bytes, std::uint64_t insideVoxels = 0);
 
 } // namespace tetvdb

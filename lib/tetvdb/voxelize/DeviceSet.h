@@ -49,10 +49,8 @@ public:
                            : several_->distances(job, receiver, &progress);
   }
 
-  std::uint64_t coverage(const nano::CoverageJob& job, nano::CoverageReceiver& receiver,
-                         const Progress& progress) {
-    return one_ != nullptr ? one_->coverage(job, receiver, &progress)
-                           : several_->coverage(job, receiver, &progress);
+  nano::Result coverage(const nano::CoverageJob& job, const Progress& progress) {
+    return one_ != nullptr ? one_->coverage(job, &progress) : several_->coverage(job, &progress);
   }
 
   nano::Result levelSet(const nano::MeshView& mesh, const nano::LevelSetJob& job,

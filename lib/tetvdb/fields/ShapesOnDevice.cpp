@@ -33,8 +33,8 @@ nano::Result levelSetBy(const Devices& devices, const nano::MeshView& mesh,
 struct DeviceShape {
   Devices devices;
   nano::MeshView mesh;
-  nano::LevelSetJob levelSet; // of faces that are not trimmed: those of makeSolid()
-  const CoverageFaces* covered = nullptr;
+  nano::LevelSetJob levelSet;             // with the faces that trimming has left, if it took some
+  const CoverageFaces* covered = nullptr; // where coverage is asked for
 };
 
 // use(shape, timer); none where the CPU has to make the grids.
@@ -109,15 +109,15 @@ auto gridsOf(const ShapeOptions& options, ShapeSums& sums, Report& report, Progr
       levelSet.name = infoOf(kind).name;
       const nano::Result made = covers ? (**shape.devices).coverage(shape.covered->job(), progress)
                                        : levelSetBy(shape.devices, shape.mesh, levelSet, progress);
-      if (covers && made.counts.rootTiles + made.counts.upperNodes == 0)
-        return std::vector<NanoBytes>();
       if (covers) {
+        if (made.counts.rootTiles + made.counts.upperNodes == 0)
+          return std::vector<NanoBytes>();
         sums.coverage = made.counts.coverage;
-        warnOfOverlap(sums.coverage, report);
       }
       grids.push_back(
           {{shape.devices, made.bytes}, made.counts.bufferBytes, made.counts.insideVoxels});
     }
+    warnOfOverlap(sums.coverage, report);
     return grids;
   };
 }

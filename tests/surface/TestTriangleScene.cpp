@@ -94,6 +94,7 @@ TEST(TriangleScene, ClosestPointsEqualBruteForce) {
       for (std::size_t axis = 0; axis < 3; ++axis)
         p[axis] += shift[axis];
     const TriangleScene scene(mesh);
+    std::uint32_t first = 0;
     for (int i = 0; i < 500; ++i) {
       const double reach = i % 5 == 0 ? 100 : 1.5;
       Vec3d p;
@@ -106,6 +107,11 @@ TEST(TriangleScene, ClosestPointsEqualBruteForce) {
                   1e-13 * (1 + expected));
       ASSERT_TRUE(scene.isWithin(p, closest.distance * (1 + 1e-9)));
       ASSERT_FALSE(scene.isWithin(p, closest.distance * (1 - 1e-9)));
+      const std::uint32_t before = first;
+      ASSERT_FALSE(scene.isWithin(p, closest.distance * (1 - 1e-9), first));
+      ASSERT_EQ(first, before);
+      ASSERT_TRUE(scene.isWithin(p, closest.distance * 1.5, first));
+      ASSERT_LT(static_cast<double>(distanceTo(mesh, first, p)), closest.distance * 1.5);
       const Vec3d& q = closest.point;
       ASSERT_NEAR(std::hypot(q[0] - p[0], q[1] - p[1], q[2] - p[2]), closest.distance,
                   1e-12 * (1 + expected) + 1e-9 * (shift[0] > 0));

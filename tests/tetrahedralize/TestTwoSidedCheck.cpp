@@ -300,12 +300,46 @@ TEST(TwoSidedCheck, InputsAreComparedWithOneMeshAfterAnother) {
   const InputSurface original(inputs, Boolean::Materials, kEpsilon, progress);
   const TetMesh half = grid(8, [](const Vec3d& p) { return p[0] < 0.5 ? 1 : 0; });
   const std::size_t owed = original.owedPoints();
-  EXPECT_GT(original.lost(half, progress).points.size(), owed / 3);
+  const LostSurface lost = original.lost(half, progress);
+  EXPECT_GT(lost.points.size(), owed / 3);
+  for (const LostSurface::Point& point : lost.points)
+    EXPECT_GT(point.at[0], 0.5 + kEpsilon);
+  EXPECT_NEAR(lost.inToOut, 0.5, 1e-12);
   EXPECT_NEAR(original.compare(half, progress).volume, 0.5, 1e-12);
   EXPECT_TRUE(original.lost(unitCube(), progress).points.empty());
   EXPECT_NEAR(original.compare(unitCube(), progress).windingVolume, 1, 1e-12);
   EXPECT_EQ(original.owedPoints(), owed);
   EXPECT_EQ(original.lost(half, progress).boundaryFaces, 8u * 8 * 2 * 2 + 4 * 8 * 4 * 2);
+}
+
+TEST(TwoSidedCheck, IsTheSameWhereTheInputIsSampledBesideOtherWork) {
+  const std::vector<TriangleMesh> inputs{meshes::box()};
+  const TetMesh half = grid(8, [](const Vec3d& p) { return p[0] < 0.5 ? 1 : 0; });
+  Progress progress;
+  const InputSurface alone(inputs, Boolean::Materials, kEpsilon, progress);
+  InputSurfaceTask task(inputs, Boolean::Materials, kEpsilon, progress);
+  task.begin();
+  task.begin();
+  const InputSurface& beside = task.get();
+  EXPECT_EQ(&task.get(), &beside);
+  EXPECT_EQ(beside.owedPoints(), alone.owedPoints());
+  EXPECT_EQ(beside.lost(half, progress).points.size(), alone.lost(half, progress).points.size());
+}
+
+TEST(TwoSidedCheck, ThrowsWhatSamplingTheInputThrew) {
+  const std::vector<TriangleMesh> inputs{meshes::box()};
+  Progress progress;
+  progress.cancel();
+  InputSurfaceTask task(inputs, Boolean::Materials, kEpsilon, progress);
+  InputSurfaceTask left(inputs, Boolean::Materials, kEpsilon, progress); // nobody asks for it
+  task.begin();
+  left.begin();
+  try {
+    task.get();
+    FAIL() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), Status::Cancelled);
+  }
 }
 
 TEST(TwoSidedCheck, IsTheSameWhateverItsPlace) {

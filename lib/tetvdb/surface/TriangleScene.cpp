@@ -50,6 +50,12 @@ struct ClosestQuery {
   Vec3d offset{0, 0, 0};
   bool any = false; ///< any triangle within the bound suffices
 
+  NearestOffset offsetTo(std::uint32_t other) const {
+    const std::uint32_t* v = mesh.triangles.data() + std::size_t(3) * other;
+    return nearestOnTriangle(minus(mesh.points[v[0]], point), minus(mesh.points[v[1]], point),
+                             minus(mesh.points[v[2]], point));
+  }
+
   float radius() const {
     const double r = (std::sqrt(bound) * scale + slack) * (1 + 4e-6);
     return std::isfinite(r) && r < 1e30 ? static_cast<float>(r)
@@ -61,10 +67,7 @@ bool visitClosest(RTCPointQueryFunctionArguments* arguments) {
   auto& query = *static_cast<ClosestQuery*>(arguments->userPtr);
   if (query.discs[arguments->primID].isBeyond(*arguments->query))
     return false;
-  const std::uint32_t* v = query.mesh.triangles.data() + std::size_t(3) * arguments->primID;
-  const NearestOffset nearest = nearestOnTriangle(minus(query.mesh.points[v[0]], query.point),
-                                                  minus(query.mesh.points[v[1]], query.point),
-                                                  minus(query.mesh.points[v[2]], query.point));
+  const NearestOffset nearest = query.offsetTo(arguments->primID);
   const bool tie = nearest.squared == query.bound && arguments->primID < query.triangle &&
                    query.triangle != 0xFFFFFFFFu;
   if (!(nearest.squared < query.bound) && !tie)
@@ -290,13 +293,23 @@ TriangleScene::Closest TriangleScene::closest(const Vec3d& p, double maxDistance
   return result;
 }
 
-bool TriangleScene::isWithin(const Vec3d& p, double distance) const {
+bool TriangleScene::isWithin(const Vec3d& p, double distance, std::uint32_t& first) const {
   if (impl_->mesh.triangles.empty() || !(distance > 0))
     return false;
   ClosestQuery query = impl_->queryAt(p, distance);
+  if (query.offsetTo(first).squared < query.bound)
+    return true;
   query.any = true;
   impl_->search(query);
-  return query.triangle != 0xFFFFFFFFu;
+  if (query.triangle == 0xFFFFFFFFu)
+    return false;
+  first = query.triangle;
+  return true;
+}
+
+bool TriangleScene::isWithin(const Vec3d& p, double distance) const {
+  std::uint32_t first = 0;
+  return isWithin(p, distance, first);
 }
 
 Vec3d TriangleScene::normal(std::uint32_t triangle) const {

@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <utility>
 
 namespace tetvdb {
@@ -59,6 +60,9 @@ constexpr double kThinRadii = 3;
 constexpr double kMaxCoarsened = 2e6, kMaxCoarsenedOfFace = 200;
 // Sums over boundary edges that take as long as coarsening a tet: one for each point and edge.
 constexpr double kSumsOfTet = 2500;
+// Up to so many triangles the input is sampled for the check beside insertion: a twentieth of the
+// time of small meshes. Of large ones it is less, and both together need a fifth more memory.
+constexpr std::size_t kMaxBeside = 50000;
 // Energies that are farther above the stop energy are reported.
 constexpr double kEnergySlack = 1.001;
 
@@ -151,13 +155,11 @@ std::vector<LostSurface::Point> finish(const MeshingWork& work, const InsertedSu
 
   timer.part("check");
   progress.stage("check");
-  if (!work.original)
-    work.original = std::make_unique<const InputSurface>(work.inputs, options.boolean,
-                                                         work.lengths.epsilon, progress);
-  LostSurface lost = work.original->lost(made.mesh, progress);
+  const InputSurface& original = work.original.get();
+  LostSurface lost = original.lost(made.mesh, progress);
   made.boundaryFaces = lost.boundaryFaces;
   made.check.inToOut = lost.inToOut;
-  made.check.owedPoints = work.original->owedPoints();
+  made.check.owedPoints = original.owedPoints();
   made.check.lostPoints = lost.points.size();
   return std::move(lost.points);
 }
@@ -224,7 +226,7 @@ bool mends(const MeshingWork& work) {
 
 // Whether so much is lost that no more is tried.
 bool areMany(const MeshingWork& work, const std::vector<Vec3d>& lost) {
-  return lost.size() > work.original->owedPoints() / kFewLost;
+  return lost.size() > work.original.get().owedPoints() / kFewLost;
 }
 
 // finish(), repeated where a few points are lost. The next round keeps them, and `kept`: by fixed
@@ -299,6 +301,8 @@ InsertedSurface insertVariants(const MeshingWork& work, const std::vector<std::u
     simple = work.soup;
     const double share = variant == kSimplified ? kSimplifyShare : kCarefulShare;
     simplifySoup(simple, work.surface, share * radius, fixed, progress);
+    if (work.soup.faces.size() <= kMaxBeside)
+      work.original.begin(); // the background mesh and the last faces keep one thread busy
     if (work.options.limitsWork)
       work.done.most =
           kMaxCoarsened + kMaxCoarsenedOfFace * static_cast<double>(simple.faces.size());

@@ -15,7 +15,6 @@
 
 #include <cstddef>
 #include <limits>
-#include <memory>
 #include <vector>
 
 namespace tetvdb {
@@ -55,7 +54,7 @@ struct MeshingWork {
   double epsilon;           ///< world units: of lengths, or less
   double radius;            ///< of both, slightly less than epsilon; lattice units
   WorkDone& done;
-  std::unique_ptr<const InputSurface>& original; ///< made once there is a mesh to compare with it
+  InputSurfaceTask& original;
 
   double toLattice(double length) const { return length / lattice.unit(); }
 };

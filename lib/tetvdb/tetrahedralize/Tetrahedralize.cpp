@@ -18,7 +18,6 @@
 #include <cmath>
 #include <cstdint>
 #include <fmt/format.h>
-#include <memory>
 #include <utility>
 #include <vector>
 
@@ -189,7 +188,7 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
 
   const std::vector<std::array<std::uint32_t, 3>> edges = boundaryEdges(soup);
   WorkDone done;
-  std::unique_ptr<const InputSurface> original;
+  InputSurfaceTask original(inputs, options.boolean, lengths.epsilon, progress);
   const auto meshWithin = [&](double epsilon) {
     timer.part("envelope");
     progress.stage("envelope");
@@ -201,7 +200,7 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
                                            timer, progress);
     timer.part("check");
     progress.stage("check");
-    const InputSurface::Comparison compared = original->compare(result.mesh, progress);
+    const InputSurface::Comparison compared = original.get().compare(result.mesh, progress);
     result.check.outToIn = compared.outToIn;
     result.check.volume = compared.volume;
     result.check.windingVolume = compared.windingVolume;

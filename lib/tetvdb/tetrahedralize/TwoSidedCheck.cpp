@@ -13,7 +13,9 @@
 #include "tetvdb/voxelize/SoupBoundary.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -52,14 +54,16 @@ public:
     std::uint16_t mask = 0; ///< bit k: within input k
     bool clear = true;      ///< no winding number is near 0.5
   };
-  std::vector<Place> placesOf(const Points& points, Progress& progress) const;
-  /// Whether every input's winding number is near a whole number.
-  std::vector<bool> areWhole(const Points& points, Progress& progress) const;
+  std::vector<Place> placesOf(const PointGroups& points, Progress& progress) const;
+  /// Leaves those samples at which every input's winding number is near a whole number.
+  void keepWhole(std::vector<SurfaceSample>& samples, Progress& progress) const;
+  PointGroups groupsOf(const Points& points) const;
+  bool isAnyOpen() const {
+    return std::find(isOpen_.begin(), isOpen_.end(), true) != isOpen_.end();
+  }
   double fewer() const { return fewer_; } ///< the factor by which the number of samples is divided
 
 private:
-  std::vector<double> at(std::size_t input, const Points& points, Progress& progress) const;
-
   const WorkingLattice& lattice_;
   std::vector<std::unique_ptr<ChainWinding>> windings_;
   std::vector<bool> isOpen_;
@@ -100,20 +104,19 @@ InputWindings::InputWindings(const std::vector<TriangleMesh>& inputs, const Work
   fewer_ = std::min(fewer_, kMaxFewer);
 }
 
-std::vector<double> InputWindings::at(std::size_t input, const Points& points,
-                                      Progress& progress) const {
+PointGroups InputWindings::groupsOf(const Points& points) const {
   std::vector<LatticePoint> places(points.size());
   forEachIndex(points.size(),
                [&](std::size_t i) { places[i] = latticePoint(lattice_, points[i]); });
-  return windings_[input]->at(places, progress);
+  return PointGroups(places, isAnyOpen() ? PointGroups::Shape::Cubes : PointGroups::Shape::Columns);
 }
 
-std::vector<InputWindings::Place> InputWindings::placesOf(const Points& points,
+std::vector<InputWindings::Place> InputWindings::placesOf(const PointGroups& points,
                                                           Progress& progress) const {
-  std::vector<Place> places(points.size());
+  std::vector<Place> places(points.pointCount());
   for (std::size_t input = 0; input < windings_.size(); ++input) {
-    const std::vector<double> winding = at(input, points, progress);
-    for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::vector<double> winding = windings_[input]->at(points, progress);
+    for (std::size_t i = 0; i < winding.size(); ++i) {
       if (winding[i] > 0.5)
         places[i].mask = static_cast<std::uint16_t>(places[i].mask | 1u << input);
       if (isOpen_[input] && std::abs(winding[i] - 0.5) < kClear)
@@ -123,17 +126,27 @@ std::vector<InputWindings::Place> InputWindings::placesOf(const Points& points,
   return places;
 }
 
-std::vector<bool> InputWindings::areWhole(const Points& points, Progress& progress) const {
+void InputWindings::keepWhole(std::vector<SurfaceSample>& samples, Progress& progress) const {
+  if (!isAnyOpen())
+    return;
+  Points points;
+  for (const SurfaceSample& sample : samples)
+    points.push_back(sample.at);
+  const PointGroups groups = groupsOf(points);
   std::vector<bool> whole(points.size(), true);
   for (std::size_t input = 0; input < windings_.size(); ++input) {
     if (!isOpen_[input])
       continue;
-    const std::vector<double> winding = at(input, points, progress);
-    for (std::size_t i = 0; i < points.size(); ++i)
+    const std::vector<double> winding = windings_[input]->at(groups, progress);
+    for (std::size_t i = 0; i < winding.size(); ++i)
       if (std::abs(winding[i] - std::nearbyint(winding[i])) > kWhole)
         whole[i] = false;
   }
-  return whole;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    if (whole[i])
+      samples[count++] = samples[i];
+  samples.resize(count);
 }
 
 // All inputs' triangles, and which input each range of them comes from.
@@ -189,16 +202,33 @@ void addCorners(const TriangleMesh& mesh, double fewer, std::vector<SurfaceSampl
   }
 }
 
-std::vector<double> distances(const TriangleScene& scene, const std::vector<SurfaceSample>& samples,
-                              Progress& progress) {
-  std::vector<double> distance(samples.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, samples.size(), 256),
-                    [&](const auto& range) {
-                      progress.check();
-                      for (std::size_t i = range.begin(); i != range.end(); ++i)
-                        distance[i] = scene.closest(samples[i].at).distance;
-                    });
-  return distance;
+struct Farthest {
+  double distance = 0;             ///< of the farthest sample
+  std::vector<std::uint8_t> isFar; ///< which samples are farther than the limit
+};
+
+// Most samples are only shown to be nearer than another one and than the limit, which takes a
+// fraction of the time of finding their distance.
+Farthest farthest(const TriangleScene& scene, const std::vector<SurfaceSample>& samples,
+                  double limit, Progress& progress) {
+  Farthest found{0, std::vector<std::uint8_t>(samples.size(), 0)};
+  std::atomic<double> largest{0};
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, samples.size(), 256), [&](const auto& range) {
+        progress.check();
+        std::uint32_t near = 0;
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          double known = largest.load(std::memory_order_relaxed);
+          if (scene.isWithin(samples[i].at, std::min(known, limit), near))
+            continue;
+          const double distance = scene.closest(samples[i].at).distance;
+          found.isFar[i] = distance > limit;
+          while (distance > known && !largest.compare_exchange_weak(known, distance)) {
+          }
+        }
+      });
+  found.distance = largest;
+  return found;
 }
 
 // Samples of the input whose sides half an epsilon off clearly belong to different regions.
@@ -219,7 +249,8 @@ std::vector<SurfaceSample> owedOf(const TriangleMesh& mesh, std::vector<SurfaceS
     sides[2 * i] = plus(from, off);
     sides[2 * i + 1] = minus(from, off);
   });
-  const std::vector<InputWindings::Place> places = windings.placesOf(sides, progress);
+  const std::vector<InputWindings::Place> places =
+      windings.placesOf(windings.groupsOf(sides), progress);
   std::size_t count = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const InputWindings::Place &above = places[2 * i], &below = places[2 * i + 1];
@@ -260,14 +291,11 @@ void InputSurface::Impl::compareVolumes(const RegionSurface& surface, Progress& 
   Box box = boxOf(joined.mesh.points, joined.mesh.triangles);
   box.add(boxOf(surface.mesh.points, surface.mesh.triangles));
   Points points(kPointsInBox);
-  std::vector<LatticePoint> onLattice(kPointsInBox);
-  forEachIndex(kPointsInBox, [&](std::size_t i) {
-    points[i] = pointInBox(box, i);
-    onLattice[i] = latticePoint(lattice, points[i]);
-  });
-  const std::vector<InputWindings::Place> places = windings.placesOf(points, progress);
+  forEachIndex(kPointsInBox, [&](std::size_t i) { points[i] = pointInBox(box, i); });
+  const PointGroups groups = windings.groupsOf(points);
+  const std::vector<InputWindings::Place> places = windings.placesOf(groups, progress);
   const ChainWinding tets(facesOf(surface.mesh, surface.outerFaces, lattice), {});
-  const std::vector<double> covered = tets.at(onLattice, progress);
+  const std::vector<double> covered = tets.at(groups, progress);
   double more = 0, differ = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const bool byInputs = regionOf(places[i].mask, inputs.size(), boolean) != kOutsideRegion;
@@ -298,12 +326,13 @@ LostSurface InputSurface::lost(const TetMesh& mesh, Progress& progress) const {
   const RegionSurface surface = regionSurface(mesh, progress);
   const std::vector<SurfaceSample>& owed = impl_->owed;
   const std::vector<std::size_t>& begins = impl_->joined.begins;
-  const std::vector<double> distance = distances(TriangleScene(surface.mesh), owed, progress);
+  const Farthest far =
+      farthest(TriangleScene(surface.mesh), owed, impl_->epsilon * (1 + kRounding), progress);
   LostSurface found;
+  found.inToOut = far.distance;
   found.boundaryFaces = surface.outerFaces;
   for (std::size_t i = 0; i < owed.size(); ++i) {
-    found.inToOut = std::max(found.inToOut, distance[i]);
-    if (!(distance[i] > impl_->epsilon * (1 + kRounding)))
+    if (!far.isFar[i])
       continue;
     const auto number = static_cast<std::size_t>(
         std::upper_bound(begins.begin(), begins.end(), owed[i].triangle) - begins.begin() - 1);
@@ -315,20 +344,40 @@ LostSurface InputSurface::lost(const TetMesh& mesh, Progress& progress) const {
 
 InputSurface::Comparison InputSurface::compare(const TetMesh& mesh, Progress& progress) const {
   const RegionSurface surface = regionSurface(mesh, progress);
-  const std::vector<SurfaceSample> samples =
+  std::vector<SurfaceSample> samples =
       samplesOf(surface.mesh, impl_->epsilon, impl_->windings.fewer());
-  Points points;
-  for (const SurfaceSample& sample : samples)
-    points.push_back(sample.at);
-  const std::vector<bool> whole = impl_->windings.areWhole(points, progress);
-  const std::vector<double> distance =
-      distances(TriangleScene(impl_->joined.mesh), samples, progress);
+  impl_->windings.keepWhole(samples, progress);
   Comparison found;
-  for (std::size_t i = 0; i < samples.size(); ++i)
-    if (whole[i])
-      found.outToIn = std::max(found.outToIn, distance[i]);
+  found.outToIn = farthest(TriangleScene(impl_->joined.mesh), samples,
+                           std::numeric_limits<double>::infinity(), progress)
+                      .distance;
   impl_->compareVolumes(surface, progress, found);
   return found;
+}
+
+InputSurfaceTask::InputSurfaceTask(const std::vector<TriangleMesh>& inputs, Boolean boolean,
+                                   double epsilon, Progress& progress)
+    : inputs_(inputs), boolean_(boolean), epsilon_(epsilon), progress_(progress) {}
+
+InputSurfaceTask::~InputSurfaceTask() {
+  try {
+    group_.wait();
+  } catch (...) { // NOLINT(bugprone-empty-catch): whoever did not call get() does not need it
+  }
+}
+
+void InputSurfaceTask::begin() {
+  if (std::exchange(hasBegun_, true))
+    return;
+  group_.run([this] {
+    made_ = std::make_unique<const InputSurface>(inputs_, boolean_, epsilon_, progress_);
+  });
+}
+
+const InputSurface& InputSurfaceTask::get() {
+  begin();
+  group_.wait();
+  return *made_;
 }
 
 } // namespace tetvdb

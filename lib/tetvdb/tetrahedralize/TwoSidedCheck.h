@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <tbb/task_group.h>
 #include <vector>
 
 namespace tetvdb {
@@ -68,6 +69,31 @@ public:
 private:
   struct Impl;
   std::unique_ptr<const Impl> impl_;
+};
+
+/// An InputSurface that can be made beside other work: much of meshing is serial, and what is owed
+/// does not depend on the mesh. Arguments are InputSurface's and outlive this. begin() and get()
+/// are called by one thread, which holds no lock meanwhile: it may run a part of the work whenever
+/// it waits for other threads. Where there is one thread the work is done in get().
+class InputSurfaceTask {
+public:
+  InputSurfaceTask(const std::vector<TriangleMesh>& inputs, Boolean boolean, double epsilon,
+                   Progress& progress);
+  ~InputSurfaceTask(); ///< waits
+  InputSurfaceTask(const InputSurfaceTask&) = delete;
+  InputSurfaceTask& operator=(const InputSurfaceTask&) = delete;
+
+  void begin();              ///< returns at once; does nothing where it has begun
+  const InputSurface& get(); ///< begins and waits; throws what making it throws
+
+private:
+  const std::vector<TriangleMesh>& inputs_;
+  const Boolean boolean_;
+  const double epsilon_;
+  Progress& progress_;
+  std::unique_ptr<const InputSurface> made_;
+  bool hasBegun_ = false;
+  tbb::task_group group_;
 };
 
 } // namespace tetvdb

@@ -85,6 +85,37 @@ TEST(ChainWinding, OfAnOpenSphereIsTheSumOfSolidAngles) {
   expectAsBruteForce(open, points, kBoundaryWindingError);
 }
 
+TEST(ChainWinding, IsTheSameInColumnsAndInCubes) {
+  const TriangleMesh sphere = onLattice(meshes::sphere({0, 0, 0}, 1, 20), 1e9);
+  const ChainWinding winding = windingOf(sphere);
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> along(-1.2e9, 1.2e9);
+  const auto place = [&] { return std::nearbyint(along(random)); };
+  std::vector<LatticePoint> spread, upright, line;
+  for (int i = 0; i < 3000; ++i) {
+    spread.push_back({place(), place(), place()});
+    upright.push_back({1e8, -2e8, place()}); // all of one column
+    line.push_back({place(), 3e8, 1e8});
+  }
+  const std::vector<LatticePoint> one(300, {7, 8, 9});
+  Progress progress;
+  for (const auto& points : {spread, upright, line, one, {}}) {
+    const PointGroups columns(points, PointGroups::Shape::Columns),
+        cubes(points, PointGroups::Shape::Cubes);
+    const std::vector<double> found = winding.at(columns, progress);
+    EXPECT_EQ(found, winding.at(cubes, progress));
+    expectAsBruteForce(sphere, points, 1e-6);
+    for (const PointGroups* groups : {&columns, &cubes}) {
+      std::vector<int> times(points.size(), 0);
+      for (const std::uint32_t number : groups->numbers)
+        ++times[number];
+      EXPECT_EQ(times, std::vector<int>(points.size(), 1));
+      for (std::size_t i = 0; i < groups->size(); ++i)
+        EXPECT_LE(groups->begins[i + 1] - groups->begins[i], 64u);
+    }
+  }
+}
+
 TEST(ChainWinding, OfATangleOnFewCoordinatesIsTheSumOfSolidAngles) {
   std::mt19937_64 random(2);
   std::uniform_int_distribution<int> corner(0, 6);

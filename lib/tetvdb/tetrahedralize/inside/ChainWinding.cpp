@@ -6,7 +6,9 @@
 #include "tetvdb/tetrahedralize/soup/WorkingLattice.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 #include <utility>
@@ -14,7 +16,8 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kGroupPoints = 64;
+constexpr std::size_t kGroupPoints = 64; // at most
+constexpr double kColumnPoints = 48;     // on average, where points are spread evenly
 constexpr std::ptrdiff_t kPointsPerTask = 4096;
 // Where there are more faces than this below a group, they are searched for point by point.
 constexpr std::size_t kGroupFaces = 384;
@@ -39,8 +42,8 @@ struct Item {
 
 // Parts points at the median of their box's longest side until groups are small; begins[i] is where
 // group i begins.
-void findGroups(std::vector<Item>& items, std::ptrdiff_t begin, std::ptrdiff_t end,
-                std::vector<std::uint32_t>& begins) {
+void findCubes(std::vector<Item>& items, std::ptrdiff_t begin, std::ptrdiff_t end,
+               std::vector<std::uint32_t>& begins) {
   if (end - begin <= static_cast<std::ptrdiff_t>(kGroupPoints)) {
     begins.push_back(static_cast<std::uint32_t>(begin));
     return;
@@ -51,8 +54,8 @@ void findGroups(std::vector<Item>& items, std::ptrdiff_t begin, std::ptrdiff_t e
   splitAlongAxis(longestAxis(first, last, position), first, items.begin() + median, last, position,
                  [](const Item& item) { return item.number; });
   std::vector<std::uint32_t> later;
-  const auto low = [&] { findGroups(items, begin, median, begins); };
-  const auto high = [&] { findGroups(items, median, end, later); };
+  const auto low = [&] { findCubes(items, begin, median, begins); };
+  const auto high = [&] { findCubes(items, median, end, later); };
   if (end - begin > kPointsPerTask) {
     tbb::parallel_invoke(low, high);
   } else {
@@ -60,6 +63,36 @@ void findGroups(std::vector<Item>& items, std::ptrdiff_t begin, std::ptrdiff_t e
     high();
   }
   begins.insert(begins.end(), later.begin(), later.end());
+}
+
+// Sorts points by the squares of a grid that they are above; groups are parts of these.
+void findColumns(std::vector<Item>& items, std::vector<std::uint32_t>& begins) {
+  if (items.empty())
+    return;
+  Box box;
+  for (const Item& item : items)
+    box.add(item.at);
+  const double width = box.high[0] - box.low[0], depth = box.high[1] - box.low[1];
+  const double share = kColumnPoints / static_cast<double>(items.size());
+  // Coordinates are whole numbers.
+  const double side =
+      std::max({1.0, std::sqrt(width * depth * share), width * share, depth * share});
+  const auto squaresOf = [&](double length) { return static_cast<std::size_t>(length / side); };
+  const std::size_t rowLength = squaresOf(width) + 1;
+  const auto squareOf = [&](const Item& item) {
+    return squaresOf(item.at[1] - box.low[1]) * rowLength + squaresOf(item.at[0] - box.low[0]);
+  };
+  std::vector<std::uint32_t> ends((squaresOf(depth) + 1) * rowLength + 1, 0);
+  for (const Item& item : items)
+    ++ends[squareOf(item) + 1];
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  for (std::size_t square = 0; square + 1 < ends.size(); ++square)
+    for (std::uint32_t i = ends[square]; i < ends[square + 1]; i += kGroupPoints)
+      begins.push_back(i);
+  std::vector<Item> sorted(items.size());
+  for (const Item& item : items)
+    sorted[ends[squareOf(item)]++] = item;
+  items = std::move(sorted);
 }
 
 // Whether the moved point is above the plane of a face that is not vertical: the side of its plane,
@@ -79,10 +112,22 @@ bool isInFrontOf(const ChainWinding::Face& face, const LatticePoint& p) {
 
 } // namespace
 
-struct ChainWinding::Group {
-  const std::vector<LatticePoint>& points;
-  const std::uint32_t *begin, *end; ///< numbers of points
-};
+PointGroups::PointGroups(const std::vector<LatticePoint>& points, Shape shape) {
+  std::vector<Item> items(points.size());
+  for (std::uint32_t i = 0; i < items.size(); ++i)
+    items[i] = {vectorOf(points[i]), i};
+  if (shape == Shape::Columns)
+    findColumns(items, begins);
+  else
+    findCubes(items, 0, static_cast<std::ptrdiff_t>(items.size()), begins);
+  begins.push_back(static_cast<std::uint32_t>(items.size()));
+  for (const Item& item : items) {
+    x.push_back(item.at[0]);
+    y.push_back(item.at[1]);
+    z.push_back(item.at[2]);
+    numbers.push_back(item.number);
+  }
+}
 
 ChainWinding::ChainWinding(std::vector<Face> faces, std::vector<BoundaryEdge> boundary)
     : faces_(std::move(faces)), tree_(boxesOf(faces_)), boundary_(std::move(boundary)) {}
@@ -134,18 +179,16 @@ bool ChainWinding::staysRound(const Vec3d& centre, double reach) const {
   return std::abs(s - std::nearbyint(s)) + change + margin < 0.5;
 }
 
-void ChainWinding::atGroup(const Group& group, double* winding) const {
+void ChainWinding::atGroup(const PointGroups& groups, std::size_t group, double* winding) const {
+  const std::size_t begin = groups.begins[group], count = groups.begins[group + 1] - begin;
+  const double *x = groups.x.data() + begin, *y = groups.y.data() + begin,
+               *z = groups.z.data() + begin;
   Box box;
+  for (std::size_t i = 0; i < count; ++i)
+    box.add(Vec3d{x[i], y[i], z[i]});
   BoundaryPoints sums;
-  for (const std::uint32_t* i = group.begin; i != group.end; ++i) {
-    const LatticePoint& p = group.points[*i];
-    box.add(vectorOf(p));
-    sums.x.push_back(p.x);
-    sums.y.push_back(p.y);
-    sums.z.push_back(p.z);
-  }
-  sums.sum.assign(sums.size(), 0);
   if (!boundary_.empty()) {
+    sums = {{x, x + count}, {y, y + count}, {z, z + count}, std::vector<double>(count, 0)};
     const Vec3d half = times(minus(box.high, box.low), 0.5), centre = plus(box.low, half);
     boundary_.at({centre[0], centre[1], centre[2]}, length(half), sums);
   }
@@ -161,40 +204,39 @@ void ChainWinding::atGroup(const Group& group, double* winding) const {
         below.push_back(face);
         return below.size() > kGroupFaces;
       });
-  std::size_t n = 0;
-  for (const std::uint32_t* i = group.begin; i != group.end; ++i, ++n) {
-    const LatticePoint& p = group.points[*i];
-    std::int64_t sum = 0;
-    if (below.size() > kGroupFaces) {
-      sum = facesBelow(p);
-    } else {
-      for (const std::uint32_t face : below) {
-        const Box& faceBox = tree_.box(face);
-        if (faceBox.low[0] <= p.x && faceBox.high[0] >= p.x && faceBox.low[1] <= p.y &&
-            faceBox.high[1] >= p.y && faceBox.low[2] <= p.z)
-          sum += crossing(faces_[face], p);
-      }
+  std::array<std::int64_t, kGroupPoints> crossings{};
+  if (below.size() > kGroupFaces) {
+    for (std::size_t i = 0; i < count; ++i)
+      crossings[i] = facesBelow({x[i], y[i], z[i]});
+  } else {
+    for (const std::uint32_t face : below) {
+      const Box& over = tree_.box(face);
+      std::array<std::uint8_t, kGroupPoints> isOver{};
+      for (std::size_t i = 0; i < count; ++i) // without branches, so that compilers use lanes
+        isOver[i] = static_cast<std::uint8_t>(int(over.low[0] <= x[i]) & int(x[i] <= over.high[0]) &
+                                              int(over.low[1] <= y[i]) & int(y[i] <= over.high[1]) &
+                                              int(over.low[2] <= z[i]));
+      for (std::size_t i = 0; i < count; ++i)
+        if (isOver[i])
+          crossings[i] += crossing(faces_[face], {x[i], y[i], z[i]});
     }
-    winding[*i] = static_cast<double>(sum) + sums.sum[n];
   }
+  for (std::size_t i = 0; i < count; ++i)
+    winding[groups.numbers[begin + i]] =
+        static_cast<double>(crossings[i]) + (boundary_.empty() ? 0 : sums.sum[i]);
 }
 
 std::vector<double> ChainWinding::at(const std::vector<LatticePoint>& points,
                                      Progress& progress) const {
-  std::vector<Item> items(points.size());
-  for (std::uint32_t i = 0; i < items.size(); ++i)
-    items[i] = {vectorOf(points[i]), i};
-  std::vector<std::uint32_t> begins;
-  findGroups(items, 0, static_cast<std::ptrdiff_t>(items.size()), begins);
-  begins.push_back(static_cast<std::uint32_t>(items.size()));
-  std::vector<std::uint32_t> order(items.size());
-  for (std::size_t i = 0; i < items.size(); ++i)
-    order[i] = items[i].number;
-  progress.check();
-  std::vector<double> winding(points.size());
-  tbb::parallel_for(std::size_t(0), begins.size() - 1, [&](std::size_t i) {
+  using Shape = PointGroups::Shape;
+  return at(PointGroups(points, boundary_.empty() ? Shape::Columns : Shape::Cubes), progress);
+}
+
+std::vector<double> ChainWinding::at(const PointGroups& groups, Progress& progress) const {
+  std::vector<double> winding(groups.pointCount());
+  tbb::parallel_for(std::size_t(0), groups.size(), [&](std::size_t group) {
     progress.check();
-    atGroup({points, order.data() + begins[i], order.data() + begins[i + 1]}, winding.data());
+    atGroup(groups, group, winding.data());
   });
   return winding;
 }

@@ -13,6 +13,22 @@
 
 namespace tetvdb {
 
+/// Points in groups of some that are near one another, for which faces are looked for once.
+class PointGroups {
+public:
+  /// Columns are narrow but as high as the points: what is below a column is below few others. Sums
+  /// over boundary edges take less time for cubes.
+  enum class Shape { Cubes, Columns };
+  PointGroups(const std::vector<LatticePoint>& points, Shape shape);
+
+  std::size_t pointCount() const { return numbers.size(); }
+  std::size_t size() const { return begins.size() - 1; }
+
+  std::vector<double> x, y, z;        ///< in order of groups
+  std::vector<std::uint32_t> numbers; ///< of these points, in the order in which they were given
+  std::vector<std::uint32_t> begins;  ///< the first point of each group, and their number
+};
+
 /// N + s of geometry/BoundaryWinding.h: faces below a point, counted exactly, and what the boundary
 /// edges add. Immutable once made; thread-safe.
 class ChainWinding {
@@ -40,10 +56,12 @@ public:
   /// another are evaluated together: about 0.5 us a point, and some ns for each
   /// boundary edge nearby. Parallel; the same for any number of threads.
   std::vector<double> at(const std::vector<LatticePoint>& points, Progress& progress) const;
+  /// The same, in the order in which the points were given. `groups` serve any number of windings;
+  /// cubes are for those with boundary edges.
+  std::vector<double> at(const PointGroups& groups, Progress& progress) const;
 
 private:
-  struct Group;
-  void atGroup(const Group& group, double* winding) const;
+  void atGroup(const PointGroups& groups, std::size_t group, double* winding) const;
   std::int64_t facesBelow(const LatticePoint& p) const;
   static std::int32_t crossing(const Face& face, const LatticePoint& p);
 

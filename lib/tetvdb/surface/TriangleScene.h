@@ -44,8 +44,8 @@ public:
                   double maxDistance = std::numeric_limits<double>::infinity()) const;
 
   /// Whether a point of the mesh is closer to `p` than `distance`; several times faster than
-  /// closest(). The triangle `first` is tried before others, and becomes the one that was found:
-  /// for points that come one after the other, mostly the same.
+  /// closest(). The triangle `first` is tried before others, and becomes the one that was found: of
+  /// points that lie one beside the other, mostly the same.
   bool isWithin(const Vec3d& p, double distance, std::uint32_t& first) const;
   bool isWithin(const Vec3d& p, double distance) const;
 

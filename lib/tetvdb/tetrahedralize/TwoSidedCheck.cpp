@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/TwoSidedCheck.h"
 
+#include "tetvdb/core/Error.h"
 #include "tetvdb/core/ForEachIndex.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/mesh/MeshMeasures.h"
@@ -377,6 +378,8 @@ void InputSurfaceTask::begin() {
 const InputSurface& InputSurfaceTask::get() {
   begin();
   group_.wait();
+  if (!made_) // this runs in a loop of TBB that another iteration has ended
+    throw Error(Status::Cancelled, "", "cancelled", "nothing was written");
   return *made_;
 }
 

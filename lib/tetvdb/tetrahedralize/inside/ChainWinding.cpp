@@ -183,22 +183,22 @@ void ChainWinding::atGroup(const PointGroups& groups, std::size_t group, double*
   const std::size_t begin = groups.begins[group], count = groups.begins[group + 1] - begin;
   const double *x = groups.x.data() + begin, *y = groups.y.data() + begin,
                *z = groups.z.data() + begin;
-  Box box;
+  Box around;
   for (std::size_t i = 0; i < count; ++i)
-    box.add(Vec3d{x[i], y[i], z[i]});
+    around.add(Vec3d{x[i], y[i], z[i]});
   BoundaryPoints sums;
   if (!boundary_.empty()) {
     sums = {{x, x + count}, {y, y + count}, {z, z + count}, std::vector<double>(count, 0)};
-    const Vec3d half = times(minus(box.high, box.low), 0.5), centre = plus(box.low, half);
+    const Vec3d half = times(minus(around.high, around.low), 0.5), centre = plus(around.low, half);
     boundary_.at({centre[0], centre[1], centre[2]}, length(half), sums);
   }
 
   std::vector<std::uint32_t> below;
   tree_.visit(
       [&](const Box& other) {
-        return other.low[0] <= box.high[0] && other.high[0] >= box.low[0] &&
-               other.low[1] <= box.high[1] && other.high[1] >= box.low[1] &&
-               other.low[2] <= box.high[2];
+        return other.low[0] <= around.high[0] && other.high[0] >= around.low[0] &&
+               other.low[1] <= around.high[1] && other.high[1] >= around.low[1] &&
+               other.low[2] <= around.high[2];
       },
       [&](std::uint32_t face) {
         below.push_back(face);
@@ -210,12 +210,12 @@ void ChainWinding::atGroup(const PointGroups& groups, std::size_t group, double*
       crossings[i] = facesBelow({x[i], y[i], z[i]});
   } else {
     for (const std::uint32_t face : below) {
-      const Box& over = tree_.box(face);
+      const Box& box = tree_.box(face);
       std::array<std::uint8_t, kGroupPoints> isOver{};
       for (std::size_t i = 0; i < count; ++i) // without branches, so that compilers use lanes
-        isOver[i] = static_cast<std::uint8_t>(int(over.low[0] <= x[i]) & int(x[i] <= over.high[0]) &
-                                              int(over.low[1] <= y[i]) & int(y[i] <= over.high[1]) &
-                                              int(over.low[2] <= z[i]));
+        isOver[i] = static_cast<std::uint8_t>(int(box.low[0] <= x[i]) & int(x[i] <= box.high[0]) &
+                                              int(box.low[1] <= y[i]) & int(y[i] <= box.high[1]) &
+                                              int(box.low[2] <= z[i]));
       for (std::size_t i = 0; i < count; ++i)
         if (isOver[i])
           crossings[i] += crossing(faces_[face], {x[i], y[i], z[i]});

@@ -215,6 +215,36 @@ TEST(AssimpReader, ColladaWithATextureOfNoFile) {
   EXPECT_NEAR(meshes::signedVolume(read.mesh), 2e-6 / 6, 1e-12);
 }
 
+// Of Godot's exporter for Blender, which begins lists with a space.
+TEST(AssimpReader, ColladaWithBonesAndMorphs) {
+  std::string text = kCollada;
+  text.insert(text.find("<library_visual_scenes>"), R"(<library_controllers><controller id="c">
+<skin source="#d"><source id="j"><Name_array id="ja" count="1"> bone</Name_array><technique_common>
+<accessor source="#ja" count="1" stride="1"><param name="JOINT" type="Name"/></accessor></technique_common></source>
+<source id="b"><float_array id="ba" count="16"> 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</float_array><technique_common>
+<accessor source="#ba" count="1" stride="16"><param name="TRANSFORM" type="float4x4"/></accessor></technique_common></source>
+<source id="w"><float_array id="wa" count="1"> 1</float_array><technique_common>
+<accessor source="#wa" count="1" stride="1"><param name="WEIGHT" type="float"/></accessor></technique_common></source>
+<joints><input semantic="JOINT" source="#j"/><input semantic="INV_BIND_MATRIX" source="#b"/></joints>
+<vertex_weights count="4"><input semantic="JOINT" source="#j" offset="0"/>
+<input semantic="WEIGHT" source="#w" offset="1"/><vcount> 1 1 1 1</vcount><v> 0 0 0 0 0 0 0 0</v>
+</vertex_weights></skin></controller><controller id="d"><morph source="#g"/></controller></library_controllers>
+<library_animations><animation id="a"/></library_animations>
+<library_animation_clips><animation_clip><instance_animation url="#a"/></animation_clip></library_animation_clips>
+)");
+  const std::string plain = R"(<instance_geometry url="#g"/>)";
+  text.replace(text.find(plain), plain.size(),
+               R"(<instance_controller url="#c"><skeleton>#n</skeleton>
+</instance_controller>)");
+  const Reading read = readingFile("b.dae", text);
+  if (isWithoutAssimp(read))
+    GTEST_SKIP() << read.error;
+  ASSERT_EQ(read.error, "");
+  EXPECT_EQ(read.mesh.triangleCount(), 8U);
+  EXPECT_NEAR(top(read.mesh)[2], 1.01, 1e-6);
+  EXPECT_NEAR(meshes::signedVolume(read.mesh), 2e-6 / 6, 1e-12);
+}
+
 TEST(AssimpReader, ColladaOfAPhysicsModel) {
   std::string text = kCollada;
   const auto replaceAll = [&](const std::string& from, const std::string& to) {

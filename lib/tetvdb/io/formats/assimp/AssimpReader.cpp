@@ -25,6 +25,10 @@
 #include <cmath>
 #include <exception>
 #include <filesystem>
+#include <map>
+#include <pugixml.hpp>
+#include <sstream>
+#include <string>
 #include <string_view>
 #include <strings.h>
 #include <vector>
@@ -151,6 +155,22 @@ private:
   const std::string& path_;
 };
 
+/// Names the meshes that controllers deform in their place.
+struct DeformedMeshes : pugi::xml_tree_walker {
+  std::map<std::string, std::string> sources; ///< of each controller: a mesh, or another one
+
+  bool for_each(pugi::xml_node& node) override {
+    if (std::string_view(node.name()) != "instance_controller")
+      return true;
+    std::string mesh = node.attribute("url").value();
+    for (std::size_t k = 0; k < sources.size() && sources.count(mesh) != 0; ++k)
+      mesh = sources[mesh];
+    node.set_name("instance_geometry");
+    node.attribute("url").set_value(mesh.c_str());
+    return true;
+  }
+};
+
 /// Runs in a process of its own: the logger is global.
 class Scene {
 public:
@@ -214,26 +234,36 @@ private:
                           : "the file is damaged; export it again");
   }
 
-  /// The text of a COLLADA file without what colours it: assimp refuses files whose effects name no
-  /// image file, and meshes need none.
-  std::string withoutColours() const {
-    std::string text(source_.bytes);
-    for (const std::string library : {"library_images", "library_effects", "library_materials"}) {
-      const std::string closing = "</" + library + ">";
-      for (std::size_t at = 0; (at = text.find("<" + library, at)) != std::string::npos;) {
-        const std::size_t end = text.find(closing, at);
-        if (end == std::string::npos)
-          break;
-        text.erase(at, end + closing.size() - at);
+  /// A COLLADA file's meshes where its nodes put them, without what colours, deforms and moves
+  /// them: assimp refuses files whose effects name no image file, and crashes on weights of bones
+  /// that begin with spaces. Meshes with bones stand as they were modelled.
+  std::string meshesAlone() const {
+    pugi::xml_document document;
+    if (!document.load_buffer(source_.bytes.data(), source_.bytes.size()))
+      return std::string(source_.bytes); // assimp says what is wrong
+    pugi::xml_node root = document.document_element();
+    DeformedMeshes meshes;
+    for (const pugi::xml_node library : root.children("library_controllers"))
+      for (const pugi::xml_node controller : library.children("controller"))
+        for (const char* kind : {"skin", "morph"})
+          if (const pugi::xml_node deformed = controller.child(kind))
+            meshes.sources[std::string("#") + controller.attribute("id").value()] =
+                deformed.attribute("source").value();
+    document.traverse(meshes);
+    for (const char* library :
+         {"library_images", "library_effects", "library_materials", "library_controllers",
+          "library_animations", "library_animation_clips"})
+      while (root.remove_child(library)) {
       }
-    }
-    return text;
+    std::ostringstream text;
+    document.save(text, "", pugi::format_raw);
+    return text.str();
   }
 
   /// By the path, so that files beside it are found.
   const aiScene* readBytes(Assimp::Importer& importer, const char* usual) const {
     if (format_ == FileFormat::Collada) { // of other files it needs none then
-      const std::string text = withoutColours();
+      const std::string text = meshesAlone();
       return importer.ReadFileFromMemory(text.data(), text.size(), 0, usual);
     }
     const std::size_t dot = source_.path.find_last_of('.');

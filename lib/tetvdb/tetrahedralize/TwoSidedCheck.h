@@ -45,8 +45,8 @@ struct LostSurface {
 ///   Inputs are cleaned, not without triangles, and outlive this; meshes lie no farther outside
 /// their box than half its longest side. Parallel, deterministic; at most about 100 000 samples of
 /// each surface and 50 000 of the inputs' corners, fewer where inputs have many boundary edges
-/// (their winding numbers are slow), and 65 536 points in space: a second or two to find what is
-/// owed and for compare(), a tenth of a second for lost().
+/// (their winding numbers are slow), and 65 536 points in space: a tenth of a second to find what
+/// is owed, as much for compare() and less for lost(); with many boundary edges a second or two.
 class InputSurface {
 public:
   InputSurface(const std::vector<TriangleMesh>& inputs, Boolean boolean, double epsilon,

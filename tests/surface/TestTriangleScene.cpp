@@ -108,9 +108,9 @@ TEST(TriangleScene, ClosestPointsEqualBruteForce) {
       ASSERT_TRUE(scene.isWithin(p, closest.distance * (1 + 1e-9)));
       ASSERT_FALSE(scene.isWithin(p, closest.distance * (1 - 1e-9)));
       const std::uint32_t before = first;
-      ASSERT_FALSE(scene.isWithin(p, closest.distance * (1 - 1e-9), first));
+      ASSERT_FALSE(scene.isWithin(p, closest.distance * (1 - 1e-9), &first));
       ASSERT_EQ(first, before);
-      ASSERT_TRUE(scene.isWithin(p, closest.distance * 1.5, first));
+      ASSERT_TRUE(scene.isWithin(p, closest.distance * 1.5, &first));
       ASSERT_LT(static_cast<double>(distanceTo(mesh, first, p)), closest.distance * 1.5);
       const Vec3d& q = closest.point;
       ASSERT_NEAR(std::hypot(q[0] - p[0], q[1] - p[1], q[2] - p[2]), closest.distance,

@@ -293,23 +293,19 @@ TriangleScene::Closest TriangleScene::closest(const Vec3d& p, double maxDistance
   return result;
 }
 
-bool TriangleScene::isWithin(const Vec3d& p, double distance, std::uint32_t& first) const {
+bool TriangleScene::isWithin(const Vec3d& p, double distance, std::uint32_t* first) const {
   if (impl_->mesh.triangles.empty() || !(distance > 0))
     return false;
   ClosestQuery query = impl_->queryAt(p, distance);
-  if (query.offsetTo(first).squared < query.bound)
+  if (first != nullptr && query.offsetTo(*first).squared < query.bound)
     return true;
   query.any = true;
   impl_->search(query);
   if (query.triangle == 0xFFFFFFFFu)
     return false;
-  first = query.triangle;
+  if (first != nullptr)
+    *first = query.triangle;
   return true;
-}
-
-bool TriangleScene::isWithin(const Vec3d& p, double distance) const {
-  std::uint32_t first = 0;
-  return isWithin(p, distance, first);
 }
 
 Vec3d TriangleScene::normal(std::uint32_t triangle) const {

@@ -44,10 +44,9 @@ public:
                   double maxDistance = std::numeric_limits<double>::infinity()) const;
 
   /// Whether a point of the mesh is closer to `p` than `distance`; several times faster than
-  /// closest(). The triangle `first` is tried before others, and becomes the one that was found: of
-  /// points that lie one beside the other, mostly the same.
-  bool isWithin(const Vec3d& p, double distance, std::uint32_t& first) const;
-  bool isWithin(const Vec3d& p, double distance) const;
+  /// closest(). The triangle `first`, if given, is tried before others, and becomes the one that
+  /// was found: of points that lie one beside the other, mostly the same.
+  bool isWithin(const Vec3d& p, double distance, std::uint32_t* first = nullptr) const;
 
   /// Of unit length; 0 for a face without area.
   Vec3d normal(std::uint32_t triangle) const;

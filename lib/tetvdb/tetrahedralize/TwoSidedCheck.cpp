@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/TwoSidedCheck.h"
 
+#include "tetvdb/core/AtomicBounds.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/ForEachIndex.h"
 #include "tetvdb/geometry/VectorMath.h"
@@ -214,20 +215,19 @@ Farthest farthest(const TriangleScene& scene, const std::vector<SurfaceSample>& 
                   double limit, Progress& progress) {
   Farthest found{0, std::vector<std::uint8_t>(samples.size(), 0)};
   std::atomic<double> largest{0};
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, samples.size(), 256), [&](const auto& range) {
-        progress.check();
-        std::uint32_t near = 0;
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          double known = largest.load(std::memory_order_relaxed);
-          if (scene.isWithin(samples[i].at, std::min(known, limit), near))
-            continue;
-          const double distance = scene.closest(samples[i].at).distance;
-          found.isFar[i] = distance > limit;
-          while (distance > known && !largest.compare_exchange_weak(known, distance)) {
-          }
-        }
-      });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, samples.size(), 256),
+                    [&](const auto& range) {
+                      progress.check();
+                      std::uint32_t near = 0;
+                      for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                        const double known = largest.load(std::memory_order_relaxed);
+                        if (scene.isWithin(samples[i].at, std::min(known, limit), &near))
+                          continue;
+                        const double distance = scene.closest(samples[i].at).distance;
+                        found.isFar[i] = distance > limit;
+                        raiseTo(largest, distance);
+                      }
+                    });
   found.distance = largest;
   return found;
 }

@@ -14,8 +14,7 @@
 namespace tetvdb {
 
 /// Points in groups of some that are near one another, for which faces are looked for once.
-class PointGroups {
-public:
+struct PointGroups {
   /// Columns are narrow but as high as the points: what is below a column is below few others. Sums
   /// over boundary edges take less time for cubes.
   enum class Shape { Cubes, Columns };

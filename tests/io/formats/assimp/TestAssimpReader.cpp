@@ -223,11 +223,11 @@ TEST(AssimpReader, ColladaWithBonesAndMorphs) {
 <accessor source="#ja" count="1" stride="1"><param name="JOINT" type="Name"/></accessor></technique_common></source>
 <source id="b"><float_array id="ba" count="16"> 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</float_array><technique_common>
 <accessor source="#ba" count="1" stride="16"><param name="TRANSFORM" type="float4x4"/></accessor></technique_common></source>
-<source id="w"><float_array id="wa" count="1"> 1</float_array><technique_common>
-<accessor source="#wa" count="1" stride="1"><param name="WEIGHT" type="float"/></accessor></technique_common></source>
+<source id="w"><float_array id="wa" count="4"> 1 1 1 1</float_array><technique_common>
+<accessor source="#wa" count="4" stride="1"><param name="WEIGHT" type="float"/></accessor></technique_common></source>
 <joints><input semantic="JOINT" source="#j"/><input semantic="INV_BIND_MATRIX" source="#b"/></joints>
 <vertex_weights count="4"><input semantic="JOINT" source="#j" offset="0"/>
-<input semantic="WEIGHT" source="#w" offset="1"/><vcount> 1 1 1 1</vcount><v> 0 0 0 0 0 0 0 0</v>
+<input semantic="WEIGHT" source="#w" offset="1"/><vcount> 1 1 1 1</vcount><v> 0 0 0 1 0 2 0 3</v>
 </vertex_weights></skin></controller><controller id="d"><morph source="#g"/></controller></library_controllers>
 <library_animations><animation id="a"/></library_animations>
 <library_animation_clips><animation_clip><instance_animation url="#a"/></animation_clip></library_animation_clips>
